@@ -12,6 +12,7 @@ import rust::PI;
 // | 1     | 1, 2    | base colour                | always |
 // | 1     | 3, 4    | roughness and metalness    | always |
 // | 1     | 5, 6    | light of its own           | always |
+// | 1     | 7, 8    | normals                    | normal_map |
 @group(0) @binding(0) var<uniform> craft: ModelFrame;
 @group(1) @binding(0) var<uniform> material: ModelMaterial;
 @group(1) @binding(1) var base_color_texture: texture_2d<f32>;
@@ -20,6 +21,8 @@ import rust::PI;
 @group(1) @binding(4) var surface_sampler: sampler;
 @group(1) @binding(5) var emissive_texture: texture_2d<f32>;
 @group(1) @binding(6) var emissive_sampler: sampler;
+@if(normal_map) @group(1) @binding(7) var normal_texture: texture_2d<f32>;
+@if(normal_map) @group(1) @binding(8) var normal_sampler: sampler;
 
 // Mirrored by `ModelFrame` in crates/terrella-play/src/model_layer/uniforms.rs; a test compares the offsets. All axes are the model's.
 struct ModelFrame {
@@ -50,13 +53,17 @@ struct ModelMaterial {
     roughness: f32,
     // Alpha below which nothing is drawn.
     alpha_cutoff: f32,
-    padding: vec2f,
+    // Multiplies normals of the texture across the surface.
+    normal_scale: f32,
+    padding: f32,
 }
 
 struct ModelVertex {
     @location(0) position_m: vec3f,
     @location(1) normal: vec3f,
     @location(2) uv: vec2f,
+    // Along the first texture coordinate, and the sign of the bitangent; all 0 where the model gives none.
+    @if(normal_map) @location(3) tangent: vec4f,
 }
 
 struct Varying {
@@ -64,6 +71,7 @@ struct Varying {
     @location(0) position_m: vec3f,
     @location(1) normal: vec3f,
     @location(2) uv: vec2f,
+    @if(normal_map) @location(3) tangent: vec4f,
 }
 
 // Surface properties for shading.
@@ -84,10 +92,40 @@ fn vertex(in: ModelVertex) -> Varying {
     out.position_m = in.position_m;
     out.normal = in.normal;
     out.uv = in.uv;
+    @if(normal_map) out.tangent = in.tangent;
     return out;
 }
 
-// Light of a small source reflected to the eye. The Sun's irradiance is π, so that a white sheet has the light 1.
+// The normal of a texel (glTF 2.0, section 3.9.3) on a surface with the unit normal `n`. The model gives the tangent t and the bitangent
+// b = n × t · w, or they follow from how place and texture coordinates change from pixel to pixel. With dp = p_u du + p_v dv for a step
+// across and one down, t is p_u = (dp₁ dv₂ − dp₂ dv₁)/(du₁ dv₂ − du₂ dv₁). v grows downwards in a picture and y upwards:
+// b is −p_v = (dp₁ du₂ − dp₂ du₁)/(du₁ dv₂ − du₂ dv₁).
+@if(normal_map)
+fn mapped_normal(in: Varying, n: vec3f) -> vec3f {
+    let texel = textureSample(normal_texture, normal_sampler, in.uv).xyz * 2.0 - 1.0;
+    let dp_1 = dpdx(in.position_m);
+    let dp_2 = dpdy(in.position_m);
+    let duv_1 = dpdx(in.uv);
+    let duv_2 = dpdy(in.uv);
+    // Lengths do not count.
+    let side = select(1.0, -1.0, duv_1.x * duv_2.y - duv_2.x * duv_1.y < 0.0);
+    var t = side * (dp_1 * duv_2.y - dp_2 * duv_1.y);
+    var b = side * (dp_1 * duv_2.x - dp_2 * duv_1.x);
+    if in.tangent.w != 0.0 {
+        t = in.tangent.xyz;
+        b = cross(n, t) * in.tangent.w;
+    }
+    let across = t - n * dot(n, t);
+    let up = b - n * dot(n, b);
+    // Without texture coordinates there is no direction.
+    if dot(across, across) < 1e-30 || dot(up, up) < 1e-30 {
+        return n;
+    }
+    let xy = texel.xy * material.normal_scale;
+    return normalize(xy.x * normalize(across) + xy.y * normalize(up) + texel.z * n);
+}
+
+// Light of a small source that the surface throws to the eye. An irradiance of π is the Sun's, so that a white sheet has the light 1.
 fn reflected(s: Surface, to_light: vec3f) -> vec3f {
     let n_l = dot(s.normal, to_light);
     if n_l <= 0.0 {
@@ -151,6 +189,8 @@ fn earthshine(s: Surface, roughness: f32) -> vec3f {
 fn fragment(in: Varying, @builtin(front_facing) is_front: bool) -> @location(0) vec4f {
     let base = material.base_color * textureSample(base_color_texture, base_color_sampler, in.uv);
     let surface = textureSample(surface_texture, surface_sampler, in.uv);
+    var normal = normalize(in.normal);
+    @if(normal_map) normal = mapped_normal(in, normal);
     let own = material.emissive * textureSample(emissive_texture, emissive_sampler, in.uv).rgb;
     if base.a < material.alpha_cutoff {
         discard;
@@ -158,8 +198,8 @@ fn fragment(in: Varying, @builtin(front_facing) is_front: bool) -> @location(0) 
     let metallic = material.metallic * surface.b;
     let roughness = material.roughness * surface.g;
     var s: Surface;
-    // For a double-sided sheet the visible side is lit.
-    s.normal = normalize(select(-in.normal, in.normal, is_front));
+    // Of a sheet that is seen from both sides the side that is seen is the one that is lit.
+    s.normal = select(-normal, normal, is_front);
     s.to_eye = normalize(craft.eye - in.position_m);
     s.diffuse = base.rgb * (1.0 - metallic);
     s.f0 = mix(vec3f(0.04), base.rgb, metallic);
@@ -168,5 +208,8 @@ fn fragment(in: Varying, @builtin(front_facing) is_front: bool) -> @location(0) 
     var light = own + earthshine(s, roughness);
     light += craft.sunlight * reflected(s, craft.sun);
     light += craft.moonlight * reflected(s, craft.moon);
-    return vec4f(displayed(light, craft.exposure, in.clip.xy), 1.0);
+    let shown = displayed(light, craft.exposure, in.clip.xy);
+    // What covers a part of a pixel is premultiplied.
+    @if(blended) return vec4f(shown * base.a, base.a);
+    @if(!blended) return vec4f(shown, 1.0);
 }

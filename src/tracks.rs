@@ -96,7 +96,7 @@ pub use place_names::{NamedPlace, PlaceNamesError, read_place_names};
 use places::InkedPlace;
 pub use places::{GroundMark, MAX_PLACES};
 use polygons::InkedPolygons;
-pub use polygons::{FillStyle, MAX_TRIANGLES, Polygons};
+pub use polygons::{FillCell, FillRow, FillStyle, MAX_TRIANGLES, Polygons};
 use projection::EyeProjection;
 use satellite::{Axes, Satellite};
 use stations::InkedStation;

@@ -1,6 +1,7 @@
 //! Filled polygons on the ground: areas of a map, footprints, forecasts.
 
 mod plane;
+mod rows;
 mod triangulation;
 
 use super::TracksError;
@@ -8,6 +9,7 @@ use super::ink::Ink;
 use super::projection::EyeProjection;
 use crate::gpu::{PassFormat, Triangle};
 use glam::DVec3;
+pub use rows::{FillCell, FillRow};
 use std::sync::Arc;
 use terrella_frames::{Ellipsoid, Geodetic};
 use triangulation::{CutPolygon, GroundTriangle, step_rad};
@@ -24,6 +26,17 @@ pub struct FillStyle {
     pub color: [u8; 3],
     /// Above 0 to 1.
     pub opacity: f64,
+}
+
+impl FillStyle {
+    fn check(&self) -> Result<(), TracksError> {
+        match self.opacity > 0.0 && self.opacity <= 1.0 {
+            true => Ok(()),
+            false => Err(TracksError::Lines {
+                what: "the opacity of a fill must be above 0 and at most 1",
+            }),
+        }
+    }
 }
 
 /// Polygons of one style, Earth-fixed, for [`Tracks::set_polygons`](super::Tracks::set_polygons). Clones share their triangles.
@@ -72,10 +85,7 @@ impl Polygons {
         ellipsoid: &Ellipsoid,
         polygons: impl IntoIterator<Item = Vec<Vec<Geodetic>>>,
     ) -> Result<Self, TracksError> {
-        if !(style.opacity > 0.0 && style.opacity <= 1.0) {
-            let what = "the opacity of a fill must be above 0 and at most 1";
-            return Err(TracksError::Lines { what });
-        }
+        style.check()?;
         let mut cut = Vec::new();
         for rings in polygons {
             let is_place =
@@ -95,14 +105,19 @@ impl Polygons {
                 return Err(TracksError::Lines { what });
             }
         }
+        let crossing = cut.iter().filter(|polygon| !polygon.is_sound).count();
+        Ok(Self::of_triangles(style, triangles, crossing))
+    }
+
+    fn of_triangles(style: FillStyle, triangles: Vec<GroundTriangle>, crossing: usize) -> Self {
         let parts = triangles.chunks(PART_TRIANGLES).enumerate();
         let parts = parts.map(|(index, part)| Part::new(index * PART_TRIANGLES, part));
-        Ok(Self {
+        Self {
             style,
             parts: parts.collect(),
             triangles: triangles.into(),
-            crossing: cut.iter().filter(|polygon| !polygon.is_sound).count(),
-        })
+            crossing,
+        }
     }
 
     /// Their fill style.

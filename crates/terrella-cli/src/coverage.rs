@@ -77,16 +77,17 @@ pub fn run(args: &CoverageArgs, _: &Common) -> anyhow::Result<()> {
         .transpose()?;
     let flight = args.satellites.open(&args.scene)?;
     let satellites = args.satellites.select(&flight)?;
+    let sensor = GroundSensor {
+        field: args.field(),
+        min_elevation_rad: args.min_elevation.to_radians(),
+    };
+    let sensors: Vec<_> = satellites.iter().map(|one| (*one, sensor)).collect();
     let request = CoverageRequest {
-        sensor: GroundSensor {
-            field: args.field(),
-            min_elevation_rad: args.min_elevation.to_radians(),
-        },
         step_deg: args.step,
         region_deg: args.region,
         length: args.days.map(Duration::from_days),
     };
-    let map = CoverageMap::new(&flight, &satellites, &request)?;
+    let map = CoverageMap::new(&flight, &sensors, &request)?;
     if let Some(file) = map_file {
         file.write_whole(map.geojson().as_bytes())?;
     }

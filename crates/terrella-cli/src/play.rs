@@ -172,6 +172,8 @@ pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
     }
     if args.frames.is_none() && args.video.is_none() {
         let request = WindowRequest {
+            // Without its own path it makes no films from the window.
+            program: std::env::current_exe().ok(),
             adapter,
             size: args.size,
             for_seconds: args.for_seconds,

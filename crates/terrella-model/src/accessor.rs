@@ -232,7 +232,8 @@ impl Container {
         let expected = match columns {
             1 => "SCALAR",
             2 => "VEC2",
-            _ => "VEC3",
+            3 => "VEC3",
+            _ => "VEC4",
         };
         match accessor.kind == expected {
             true => Ok(()),

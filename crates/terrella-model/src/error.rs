@@ -85,7 +85,13 @@ pub enum ModelFault {
         "node {0} is reached twice: nodes form a cycle or share a child; give each node one parent"
     )]
     Cycle(u64),
-    /// A number that is not finite or cannot be drawn.
+    /// No node of the name of one that is to be turned.
+    #[error("has no node {wanted:?} in what it shows; its nodes are {nodes}")]
+    NoNode { wanted: String, nodes: String },
+    /// Several nodes of the name of one that is to be turned.
+    #[error("has two nodes {0:?}, here the second; give nodes that are turned names of their own")]
+    TwoNodes(String),
+    /// A number that is none, or none that can be drawn.
     #[error("{what} {at} is not finite; export the model again")]
     NotFinite { what: &'static str, at: usize },
     /// A file outside of the model's folder.

@@ -41,6 +41,7 @@ pub struct Scene {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub struct Node {
+    pub name: Option<String>,
     pub mesh: Option<u64>,
     pub children: Vec<u64>,
     pub matrix: Option<[f64; 16]>,
@@ -121,7 +122,7 @@ pub struct Buffer {
 #[serde(default, rename_all = "camelCase")]
 pub struct Material {
     pub pbr_metallic_roughness: Option<MetallicRoughness>,
-    pub normal_texture: Option<IgnoredAny>,
+    pub normal_texture: Option<TextureInfo>,
     pub occlusion_texture: Option<IgnoredAny>,
     pub emissive_factor: Option<[f64; 3]>,
     pub emissive_texture: Option<TextureInfo>,
@@ -159,6 +160,8 @@ pub struct MetallicRoughness {
 pub struct TextureInfo {
     pub index: u64,
     pub tex_coord: u64,
+    /// Of normal textures.
+    pub scale: Option<f64>,
 }
 
 #[derive(Debug, Default, Deserialize)]

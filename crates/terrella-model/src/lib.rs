@@ -30,10 +30,10 @@ mod nodes;
 
 pub use container::model_files;
 pub use error::{ModelError, ModelFault};
-pub use materials::{Material, ModelImage, TextureUse, Wrap};
+pub use materials::{AlphaMode, Material, ModelImage, TextureUse, Wrap};
 
 use container::Container;
-use glam::{Vec2, Vec3};
+use glam::{DMat4, Vec2, Vec3, Vec4};
 use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::Path;
@@ -60,15 +60,31 @@ pub struct Vertex {
     pub normal: Vec3,
     /// Texture coordinates, (0, 0) at the upper left of a picture.
     pub uv: Vec2,
+    /// Unit vector to where the first texture coordinate grows, and 1 or −1: the other one grows along normal × tangent times that. All 0
+    /// where the file gives none.
+    pub tangent: Vec4,
 }
 
-/// Triangles of one material.
+/// Triangles of one material that move together.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Part {
     /// Its place in [`Model::materials`].
     pub material: usize,
+    /// The joint that it turns with, by its place in [`Model::joints`]; `None` stands still in the model.
+    pub joint: Option<usize>,
     /// Its range of [`Model::indices`].
     pub indices: Range<u32>,
+}
+
+/// A node that can be turned with all that hangs on it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joint {
+    /// Of the node.
+    pub name: String,
+    /// The joint that it hangs on, by its place in [`Model::joints`].
+    pub parent: Option<usize>,
+    /// Takes the axes of the node, as the file places it, to those of the model.
+    pub model_from_node: DMat4,
 }
 
 /// A model as it is drawn.
@@ -80,6 +96,8 @@ pub struct Model {
     pub indices: Vec<u32>,
     /// The triangles by their materials.
     pub parts: Vec<Part>,
+    /// The nodes that were asked for by name.
+    pub joints: Vec<Joint>,
     /// The materials that parts name.
     pub materials: Vec<Material>,
     /// The pictures that materials name.
@@ -97,7 +115,15 @@ impl Model {
     /// A file that is no glTF 2.0, leaves its own bounds, the limits of this crate or its folder, or needs an extension that is
     /// not read. Names the file and the JSON pointer.
     pub fn load(path: &Path) -> Result<Self, ModelError> {
-        Self::of_container(&Container::open(path)?)
+        Self::load_jointed(path, &[])
+    }
+
+    /// The same with joints: the nodes of these names, which differ, in their order.
+    ///
+    /// # Errors
+    /// As [`Self::load`], and a name that no node has, or more than one.
+    pub fn load_jointed(path: &Path, joints: &[&str]) -> Result<Self, ModelError> {
+        Self::of_container(&Container::open(path)?, joints)
     }
 
     /// Reads the bytes of a file; what it names is looked for beside `path`.
@@ -105,20 +131,21 @@ impl Model {
     /// # Errors
     /// As [`Self::load`].
     pub fn of_bytes(bytes: Vec<u8>, path: &Path) -> Result<Self, ModelError> {
-        Self::of_container(&Container::of_bytes(bytes, path)?)
+        Self::of_container(&Container::of_bytes(bytes, path)?, &[])
     }
 
-    fn of_container(container: &Container) -> Result<Self, ModelError> {
+    fn of_container(container: &Container, joints: &[&str]) -> Result<Self, ModelError> {
         let mut ignored = BTreeSet::new();
         container.note_ignored(&mut ignored);
-        let placed = nodes::placed_meshes(container)?;
-        let drawn = mesh::triangles(container, &placed, &mut ignored)?;
+        let placed = nodes::placed_meshes(container, joints)?;
+        let drawn = mesh::triangles(container, &placed.meshes, &mut ignored)?;
         let looks = materials::read(container, &drawn.materials, &mut ignored)?;
         Ok(Self {
             bounds_m: mesh::bounds_m(&drawn.vertices),
             vertices: drawn.vertices,
             indices: drawn.indices,
             parts: drawn.parts,
+            joints: placed.joints,
             materials: looks.materials,
             images: looks.images,
             ignored,

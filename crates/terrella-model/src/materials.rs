@@ -28,8 +28,24 @@ pub struct Material {
     pub emissive_texture: Option<TextureUse>,
     /// Whether both sides of a triangle are visible.
     pub double_sided: bool,
-    /// Alpha below which nothing is drawn; `None` draws all.
-    pub alpha_cutoff: Option<f32>,
+    /// What alpha does.
+    pub alpha: AlphaMode,
+    /// Texels are linear: directions in the axes of tangent, bitangent and normal, 0…1 for −1…1.
+    pub normal_texture: Option<TextureUse>,
+    /// Multiplies the directions along tangent and bitangent.
+    pub normal_scale: f32,
+}
+
+/// What the alpha of a material does (specification, section 3.9.4).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum AlphaMode {
+    /// Nothing.
+    #[default]
+    Opaque,
+    /// Below this alpha nothing is drawn.
+    Mask(f32),
+    /// It is the part that the surface covers of what is behind it.
+    Blend,
 }
 
 impl Default for Material {
@@ -44,7 +60,9 @@ impl Default for Material {
             emissive: Vec3::ZERO,
             emissive_texture: None,
             double_sided: false,
-            alpha_cutoff: None,
+            alpha: AlphaMode::Opaque,
+            normal_texture: None,
+            normal_scale: 1.0,
         }
     }
 }
@@ -145,6 +163,7 @@ impl Reader<'_, '_> {
             let text = format!("{:?}", strength.unwrap_or(1.0));
             return Err(container.wrong("emissiveStrength", text, expected, &pointer));
         }
+        let normal = material.normal_texture.as_ref();
         let base_color = surface.base_color_factor.unwrap_or([1.0; 4]);
         Ok(Material {
             base_color: Vec4::from_array(base_color.map(|x| x.clamp(0.0, 1.0) as f32)),
@@ -159,25 +178,26 @@ impl Reader<'_, '_> {
                 false => self.texture(material.emissive_texture.as_ref(), &pointer)?,
             },
             double_sided: material.double_sided,
-            alpha_cutoff: match material.alpha_mode.as_deref() {
-                Some("MASK") => Some(material.alpha_cutoff.unwrap_or(0.5) as f32),
-                _ => None,
+            alpha: match material.alpha_mode.as_deref() {
+                Some("MASK") => AlphaMode::Mask(material.alpha_cutoff.unwrap_or(0.5) as f32),
+                Some("BLEND") => AlphaMode::Blend,
+                _ => AlphaMode::Opaque,
+            },
+            normal_texture: self.texture(normal, &pointer)?,
+            normal_scale: match normal.and_then(|info| info.scale) {
+                None => 1.0,
+                Some(scale) if (scale as f32).is_finite() => scale as f32,
+                Some(scale) => {
+                    let expected = "a finite number";
+                    return Err(container.wrong("scale", scale.to_string(), expected, &pointer));
+                }
             },
         })
     }
 
     fn note_ignored(&mut self, material: &json::Material) {
-        for (name, is_there) in [
-            ("normalTexture", material.normal_texture.is_some()),
-            ("occlusionTexture", material.occlusion_texture.is_some()),
-            (
-                "alphaMode BLEND",
-                material.alpha_mode.as_deref() == Some("BLEND"),
-            ),
-        ] {
-            if is_there {
-                self.ignored.insert(name.to_owned());
-            }
+        if material.occlusion_texture.is_some() {
+            self.ignored.insert("occlusionTexture".to_owned());
         }
     }
 

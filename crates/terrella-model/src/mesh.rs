@@ -5,7 +5,7 @@ use super::error::{ModelError, ModelFault};
 use super::json::Primitive;
 use super::nodes::PlacedMesh;
 use super::{MAX_INDICES, MAX_VERTICES, Part, Vertex};
-use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
+use glam::{DMat3, DMat4, DVec3, Vec2, Vec3, Vec4};
 use std::collections::{BTreeSet, HashMap};
 use terrella_files::printable;
 
@@ -35,6 +35,7 @@ struct Rows {
     positions: Vec<[f32; 3]>,
     normals: Option<Vec<[f32; 3]>>,
     uvs: Option<Vec<[f32; 2]>>,
+    tangents: Option<Vec<[f32; 4]>>,
 }
 
 /// Which accessors those are.
@@ -43,15 +44,24 @@ struct RowKey {
     position: u64,
     normal: Option<u64>,
     uv: Option<u64>,
+    tangent: Option<u64>,
+}
+
+/// Indices of one material that turn with one joint.
+struct Group {
+    material: usize,
+    joint: Option<usize>,
+    indices: Vec<u32>,
 }
 
 struct Builder<'c> {
     container: &'c Container,
     vertices: Vec<Vertex>,
-    /// By material.
-    indices: Vec<Vec<u32>>,
     materials: Vec<Option<u64>>,
-    slots: HashMap<Option<u64>, usize>,
+    material_places: HashMap<Option<u64>, usize>,
+    /// Triangles by material and joint.
+    groups: Vec<Group>,
+    group_places: HashMap<(usize, Option<usize>), usize>,
     index_count: u64,
     rows_read: u64,
     last: Option<(RowKey, Rows)>,
@@ -65,9 +75,10 @@ pub fn triangles(
     let mut builder = Builder {
         container,
         vertices: Vec::new(),
-        indices: Vec::new(),
         materials: Vec::new(),
-        slots: HashMap::new(),
+        material_places: HashMap::new(),
+        groups: Vec::new(),
+        group_places: HashMap::new(),
         index_count: 0,
         rows_read: 0,
         last: None,
@@ -81,7 +92,7 @@ pub fn triangles(
             primitives += 1;
             builder.check("primitives", primitives, MAX_PRIMITIVES, &pointer)?;
             note_ignored(primitive, ignored);
-            builder.add(primitive, placed.model_from_mesh, &pointer)?;
+            builder.add(primitive, placed, &pointer)?;
         }
     }
     builder.finish()
@@ -126,7 +137,7 @@ impl Builder<'_> {
     fn add(
         &mut self,
         primitive: &Primitive,
-        model_from_mesh: DMat4,
+        placed: &PlacedMesh,
         pointer: &str,
     ) -> Result<(), ModelError> {
         let mode = primitive.mode.unwrap_or(TRIANGLES);
@@ -149,6 +160,8 @@ impl Builder<'_> {
             position,
             normal: attribute("NORMAL"),
             uv: attribute("TEXCOORD_0"),
+            // Those of flat normals are not the file's (section 3.7.2.1).
+            tangent: attribute("NORMAL").and(attribute("TANGENT")),
         };
         let rows = match self.last.take().filter(|(last, _)| *last == key) {
             Some((_, rows)) => rows,
@@ -166,20 +179,20 @@ impl Builder<'_> {
         let corners = corners(mode, &order);
         self.index_count += corners.len() as u64;
         self.check("indices", self.index_count, MAX_INDICES, pointer)?;
-        let slot = self.slot(primitive.material, pointer)?;
-        let placing = Placing::new(model_from_mesh);
+        let slot = self.slot(primitive.material, placed.joint, pointer)?;
+        let placing = Placing::new(placed.model_from_mesh);
         match &rows.normals {
             Some(normals) => {
-                let mut placed = vec![None; count];
+                let mut seen = vec![None; count];
                 for corner in placing.wound(&corners) {
                     let at = corner as usize;
-                    let index = match placed.get(at).copied().flatten() {
+                    let index = match seen.get(at).copied().flatten() {
                         Some(index) => index,
                         None => {
                             let normal = normals.get(at).copied().unwrap_or([0.0, 0.0, 1.0]);
                             let normal = placing.normal(DVec3::from_array(normal.map(f64::from)));
                             let index = self.vertex(&rows, at, &placing, normal, pointer)?;
-                            if let Some(slot) = placed.get_mut(at) {
+                            if let Some(slot) = seen.get_mut(at) {
                                 *slot = Some(index);
                             }
                             index
@@ -221,7 +234,7 @@ impl Builder<'_> {
         self.check("vertices", count, MAX_VERTICES, pointer)?;
         self.rows_read += count;
         self.check("vertices", self.rows_read, MAX_ROWS, pointer)?;
-        for other in [key.normal, key.uv].into_iter().flatten() {
+        for other in [key.normal, key.uv, key.tangent].into_iter().flatten() {
             let others = container.accessor(other, pointer)?.count;
             if others != count {
                 let expected = "as many as there are positions";
@@ -239,6 +252,10 @@ impl Builder<'_> {
                 Some(accessor) => Some(container.vectors(accessor, pointer)?),
                 None => None,
             },
+            tangents: match key.tangent {
+                Some(accessor) => Some(container.vectors(accessor, pointer)?),
+                None => None,
+            },
         };
         self.check_finite("position", key.position, &rows.positions)?;
         if let (Some(accessor), Some(normals)) = (key.normal, &rows.normals) {
@@ -246,6 +263,9 @@ impl Builder<'_> {
         }
         if let (Some(accessor), Some(uvs)) = (key.uv, &rows.uvs) {
             self.check_finite("texture coordinate", accessor, uvs)?;
+        }
+        if let (Some(accessor), Some(tangents)) = (key.tangent, &rows.tangents) {
+            self.check_finite("tangent", accessor, tangents)?;
         }
         Ok(rows)
     }
@@ -289,50 +309,75 @@ impl Builder<'_> {
         let index = self.vertices.len() as u64;
         self.check("vertices", index + 1, MAX_VERTICES, pointer)?;
         let uv = rows.uvs.as_ref().and_then(|uvs| uvs.get(at));
+        let tangent = rows.tangents.as_ref().and_then(|all| all.get(at));
         self.vertices.push(Vertex {
             position_m,
             normal,
             uv: uv.map_or(Vec2::ZERO, |uv| Vec2::from_array(*uv)),
+            tangent: tangent.map_or(Vec4::ZERO, |tangent| placing.tangent(*tangent)),
         });
         Ok(index as u32)
     }
 
     fn push(&mut self, slot: usize, index: u32) {
-        if let Some(indices) = self.indices.get_mut(slot) {
-            indices.push(index);
+        if let Some(group) = self.groups.get_mut(slot) {
+            group.indices.push(index);
         }
     }
 
-    fn slot(&mut self, material: Option<u64>, pointer: &str) -> Result<usize, ModelError> {
-        if let Some(slot) = self.slots.get(&material) {
-            return Ok(*slot);
+    /// The place of the group of a material and a joint.
+    fn slot(
+        &mut self,
+        material: Option<u64>,
+        joint: Option<usize>,
+        pointer: &str,
+    ) -> Result<usize, ModelError> {
+        let material = self.material(material, pointer)?;
+        let next = self.groups.len();
+        let slot = *self.group_places.entry((material, joint)).or_insert(next);
+        if slot == next {
+            self.groups.push(Group {
+                material,
+                joint,
+                indices: Vec::new(),
+            });
+        }
+        Ok(slot)
+    }
+
+    /// The place of a material among those that are used.
+    fn material(&mut self, material: Option<u64>, pointer: &str) -> Result<usize, ModelError> {
+        if let Some(place) = self.material_places.get(&material) {
+            return Ok(*place);
         }
         if let Some(index) = material {
             let materials = &self.container.document.materials;
             self.container
                 .object(materials, "material", index, pointer)?;
         }
-        let slot = self.materials.len();
-        self.check("materials", slot as u64 + 1, MAX_MATERIALS, pointer)?;
-        self.slots.insert(material, slot);
+        let place = self.materials.len();
+        self.check("materials", place as u64 + 1, MAX_MATERIALS, pointer)?;
+        self.material_places.insert(material, place);
         self.materials.push(material);
-        self.indices.push(Vec::new());
-        Ok(slot)
+        Ok(place)
     }
 
     fn finish(self) -> Result<Drawn, ModelError> {
-        if self.indices.iter().all(Vec::is_empty) {
+        if self.groups.iter().all(|group| group.indices.is_empty()) {
             return Err(self.container.error(ModelFault::Empty, ""));
         }
         let mut parts = Vec::new();
         let mut indices = Vec::new();
-        for (material, own) in self.indices.into_iter().enumerate() {
+        for group in self.groups {
             let begin = indices.len() as u32;
-            indices.extend(own);
+            indices.extend(group.indices);
             let end = indices.len() as u32;
             if begin < end {
-                let indices = begin..end;
-                parts.push(Part { material, indices });
+                parts.push(Part {
+                    material: group.material,
+                    joint: group.joint,
+                    indices: begin..end,
+                });
             }
         }
         Ok(Drawn {
@@ -399,6 +444,18 @@ impl Placing {
     fn normal(&self, normal: DVec3) -> Vec3 {
         let normal = self.model_from_normal * normal;
         normal.normalize_or(DVec3::Z).as_vec3()
+    }
+
+    /// A tangent with its sign. In a mirror n × t turns round, and with it the sign.
+    fn tangent(&self, [x, y, z, sign]: [f32; 4]) -> Vec4 {
+        let along = DVec3::new(f64::from(x), f64::from(y), f64::from(z));
+        let along = self.model_from_mesh.transform_vector3(along);
+        let along = along.normalize_or_zero().as_vec3();
+        let is_turned = (sign < 0.0) != self.is_mirrored;
+        match along.length_squared() > 0.0 {
+            true => along.extend(if is_turned { -1.0 } else { 1.0 }),
+            false => Vec4::ZERO,
+        }
     }
 
     /// Corners in an order that is counter-clockwise from outside.

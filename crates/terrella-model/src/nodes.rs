@@ -1,10 +1,14 @@
 //! The node hierarchy, flattened: each mesh with its transform to the axes of the model (specification, section 3.5).
 
-use super::MAX_DEPTH;
 use super::container::Container;
 use super::error::{ModelError, ModelFault};
 use super::json::Node;
+use super::{Joint, MAX_DEPTH};
 use glam::{DMat4, DQuat, DVec3};
+use terrella_files::printable;
+
+/// Most names of nodes in a message.
+const MAX_NAMED: usize = 20;
 
 /// A mesh where a node places it.
 pub struct PlacedMesh {
@@ -13,10 +17,30 @@ pub struct PlacedMesh {
     /// JSON pointer of the reference.
     pub pointer: String,
     pub model_from_mesh: DMat4,
+    /// The joint that it turns with.
+    pub joint: Option<usize>,
 }
 
-/// All meshes of the file's default scene, or of its first one; without scenes, of all nodes.
-pub fn placed_meshes(container: &Container) -> Result<Vec<PlacedMesh>, ModelError> {
+/// The meshes of a file, and the nodes among theirs that are turned.
+pub struct Placed {
+    pub meshes: Vec<PlacedMesh>,
+    /// In the order of the names that were asked for.
+    pub joints: Vec<Joint>,
+}
+
+/// A node on the way to be placed.
+struct Waiting {
+    index: u64,
+    model_from_parent: DMat4,
+    depth: usize,
+    /// JSON pointer of what refers to it.
+    from: String,
+    joint: Option<usize>,
+}
+
+/// All meshes of the scene that the file shows by default, or of its first one; without scenes, of all nodes. `turned` are the names of nodes
+/// that are turned.
+pub fn placed_meshes(container: &Container, turned: &[&str]) -> Result<Placed, ModelError> {
     let document = &container.document;
     let scene = document
         .scene
@@ -28,15 +52,25 @@ pub fn placed_meshes(container: &Container) -> Result<Vec<PlacedMesh>, ModelErro
         }
         None => roots(&document.nodes),
     };
-    let mut placed = Vec::new();
+    let mut meshes = Vec::new();
+    let mut joints: Vec<Option<Joint>> = vec![None; turned.len()];
     let mut is_reached = vec![false; document.nodes.len()];
     let from = "/scenes".to_owned();
     let mut waiting: Vec<_> = roots
         .into_iter()
         .rev()
-        .map(|root| (root, DMat4::IDENTITY, 0, from.clone()))
+        .map(|index| Waiting {
+            index,
+            model_from_parent: DMat4::IDENTITY,
+            depth: 0,
+            from: from.clone(),
+            joint: None,
+        })
         .collect();
-    while let Some((index, model_from_parent, depth, from)) = waiting.pop() {
+    while let Some(next) = waiting.pop() {
+        let Waiting {
+            index, depth, from, ..
+        } = next;
         let node = container.object(&document.nodes, "node", index, &from)?;
         let pointer = format!("/nodes/{index}");
         let reached = usize::try_from(index)
@@ -53,22 +87,71 @@ pub fn placed_meshes(container: &Container) -> Result<Vec<PlacedMesh>, ModelErro
             };
             return Err(container.error(fault, pointer));
         }
-        let model_from_node = model_from_parent * parent_from_node(node);
+        let model_from_node = next.model_from_parent * parent_from_node(node);
         if !model_from_node.is_finite() {
             let (what, at) = ("the transform of node", index as usize);
             return Err(container.error(ModelFault::NotFinite { what, at }, pointer));
         }
+        let named = node.name.as_deref();
+        let own = turned.iter().position(|name| Some(*name) == named);
+        if let Some(slot) = own.and_then(|own| joints.get_mut(own)) {
+            let joint = Joint {
+                name: named.unwrap_or_default().to_owned(),
+                parent: next.joint,
+                model_from_node,
+            };
+            if let Some(first) = slot.replace(joint) {
+                return Err(container.error(ModelFault::TwoNodes(first.name), pointer));
+            }
+        }
+        let joint = own.or(next.joint);
         if let Some(mesh) = node.mesh {
-            placed.push(PlacedMesh {
+            meshes.push(PlacedMesh {
                 mesh,
                 pointer: format!("{pointer}/mesh"),
                 model_from_mesh: model_from_node,
+                joint,
             });
         }
         let children = node.children.iter().rev();
-        waiting.extend(children.map(|child| (*child, model_from_node, depth + 1, pointer.clone())));
+        waiting.extend(children.map(|child| Waiting {
+            index: *child,
+            model_from_parent: model_from_node,
+            depth: depth + 1,
+            from: pointer.clone(),
+            joint,
+        }));
     }
-    Ok(placed)
+    let found = turned.iter().zip(joints);
+    let found = found.map(|(wanted, joint)| {
+        let missing = || ModelFault::NoNode {
+            wanted: printable(wanted),
+            nodes: names(&document.nodes, &is_reached),
+        };
+        joint.ok_or_else(|| container.error(missing(), ""))
+    });
+    Ok(Placed {
+        joints: found.collect::<Result<_, _>>()?,
+        meshes,
+    })
+}
+
+/// The names of the nodes that are shown, for a message.
+fn names(nodes: &[Node], is_shown: &[bool]) -> String {
+    let shown = nodes
+        .iter()
+        .zip(is_shown)
+        .filter(|(_, is_shown)| **is_shown);
+    let named = || shown.clone().filter_map(|(node, _)| node.name.as_deref());
+    let few: Vec<_> = named()
+        .take(MAX_NAMED)
+        .map(|name| format!("{:?}", printable(name)))
+        .collect();
+    match (few.is_empty(), named().nth(MAX_NAMED).is_some()) {
+        (true, _) => "without names".to_owned(),
+        (false, true) => few.join(", ") + ", …",
+        (false, false) => few.join(", "),
+    }
 }
 
 /// Nodes without a parent.

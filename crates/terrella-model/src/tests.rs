@@ -168,7 +168,8 @@ fn materials_have_what_the_file_says() {
         },
         "emissiveFactor": [0.0, 0.5, 1.0],
         "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4.0}, "KHR_materials_clearcoat": {}},
-        "normalTexture": {"index": 0},
+        "normalTexture": {"index": 0, "scale": 0.25},
+        "occlusionTexture": {"index": 0},
         "alphaMode": "MASK", "doubleSided": true,
     }]);
     document["extensionsUsed"] =
@@ -189,7 +190,9 @@ fn materials_have_what_the_file_says() {
             roughness: 0.75,
             emissive: Vec3::new(0.0, 2.0, 4.0),
             double_sided: true,
-            alpha_cutoff: Some(0.5),
+            alpha: AlphaMode::Mask(0.5),
+            normal_texture: Some(texture),
+            normal_scale: 0.25,
             ..Material::default()
         }]
     );
@@ -197,7 +200,7 @@ fn materials_have_what_the_file_says() {
     let ignored: Vec<_> = model.ignored.iter().map(String::as_str).collect();
     assert_eq!(
         ignored,
-        ["COLOR_0", "KHR_materials_clearcoat", "normalTexture"]
+        ["COLOR_0", "KHR_materials_clearcoat", "occlusionTexture"]
     );
     // Sizes are looked at before texels are allocated.
     buffer[at + 16..at + 20].copy_from_slice(&1_000_000_u32.to_be_bytes());
@@ -510,3 +513,6 @@ fn files_beside_the_model_are_read_and_those_behind_links_are_not() {
     let error = Model::load(&at("none.glb")).expect_err("none").to_string();
     assert!(error.contains("none.glb"), "{error}");
 }
+
+#[path = "tests_joints.rs"]
+mod joints;

@@ -81,14 +81,16 @@ pub struct CellCoverage {
     pub revisit_s: Option<f64>,
 }
 
-/// Coverage of the cells' centres by the satellites from `span.0` to `span.1`. A feed without a state at some time sees nothing then.
+/// How the satellites cover the cells' middles from `span.0` to `span.1`. A feed that does not know an instant has nothing in view then, and
+/// neither has a satellite that has decayed by then.
 ///
-/// Visibility is evaluated for each cell at the times of a grid. Ends of views are interpolated between two times by the margin of the cell within
-/// the sensor's limits. The step is at most 10 s, and an eighth of the time in which the sensor passes over a point. A view between two times is
-/// missed: that of a field of view of some kilometres along the track.
+/// Each instant of a grid of time decides for each cell whether it is in view; ends of views are interpolated between the two instants by how
+/// far the cell is within the sensor's limits. The step is at most 10 s, and an eighth of the time in which the sensor passes over a place.
+/// A view that lies between two instants is missed: that of a field of some kilometres along the flight. Cells are best given row by row: a
+/// satellite looks at no row that is out of its sight.
 ///
 /// # Errors
-/// Errors of a feed within its validity: a satellite that has decayed.
+/// What else a feed rejects within its validity.
 pub fn coverage(
     cells: &[Cell],
     satellites: &[(&dyn Feed, GroundSensor)],
@@ -96,12 +98,25 @@ pub fn coverage(
     orientation: &dyn Fn(Epoch) -> Orientation,
     span: (Epoch, Epoch),
 ) -> Result<Vec<CellCoverage>, OrbitError> {
-    let places: Vec<_> = cells
-        .iter()
-        .map(|cell| {
-            let normal = Ellipsoid::normal(cell.lat_rad, cell.lon_rad);
-            (ellipsoid.surface_point(normal), normal)
-        })
+    let all = coverage_while(&|| true, cells, satellites, ellipsoid, orientation, span)?;
+    Ok(all.unwrap_or_default())
+}
+
+/// As [`coverage`], as long as it is wanted: that is asked at every instant, and `None` is answered once it is not.
+///
+/// # Errors
+/// As [`coverage`].
+pub fn coverage_while(
+    is_wanted: &dyn Fn() -> bool,
+    cells: &[Cell],
+    satellites: &[(&dyn Feed, GroundSensor)],
+    ellipsoid: &Ellipsoid,
+    orientation: &dyn Fn(Epoch) -> Orientation,
+    span: (Epoch, Epoch),
+) -> Result<Option<Vec<CellCoverage>>, OrbitError> {
+    let rows: Vec<_> = cells
+        .chunk_by(|cell, next| cell.lat_rad == next.lat_rad)
+        .map(|row| Row::new(row, ellipsoid))
         .collect();
     let length_s = (span.1 - span.0).to_seconds().max(0.0);
     let step_s = step(satellites, ellipsoid, span.0)?;
@@ -109,6 +124,9 @@ pub fn coverage(
     let mut views = vec![View::default(); cells.len()];
     let mut margins = vec![f64::NEG_INFINITY; cells.len()];
     for index in 0..=steps {
+        if !is_wanted() {
+            return Ok(None);
+        }
         let t = (index as f64 * step_s).min(length_s);
         let epoch = span.0 + Duration::from_seconds(t);
         let orientation = orientation(epoch);
@@ -116,19 +134,49 @@ pub fn coverage(
         for (feed, sensor) in satellites {
             let state = match feed.state_at(epoch) {
                 Ok(state) => state,
-                Err(OrbitError::NotCovered { .. } | OrbitError::OutsideValidity { .. }) => continue,
+                Err(error) if is_unknown(&error) => continue,
                 Err(error) => return Err(error),
             };
             let (place, flight) = state.inertial_in_itrf_axes(&orientation);
             if let Some(reach) = Reach::new(place, flight, sensor, ellipsoid) {
-                reach.add(&places, &mut margins);
+                reach.add(&rows, &mut margins);
             }
         }
         for (view, margin) in views.iter_mut().zip(&margins) {
             view.step(t, *margin);
         }
     }
-    Ok(views.into_iter().map(|view| view.end(length_s)).collect())
+    let ended = views.into_iter().map(|view| view.end(length_s));
+    Ok(Some(ended.collect()))
+}
+
+/// Whether a feed has no state of an instant, and nothing is wrong with it.
+fn is_unknown(error: &OrbitError) -> bool {
+    use OrbitError::{Decayed, Impact, Lost, NotCovered, OutsideValidity};
+    matches!(
+        error,
+        NotCovered { .. } | OutsideValidity { .. } | Decayed { .. } | Lost { .. } | Impact { .. }
+    )
+}
+
+/// Successive cells of one latitude.
+struct Row {
+    lat_rad: f64,
+    /// Middles of the cells on the ellipsoid, and the normals there.
+    places: Vec<(DVec3, DVec3)>,
+}
+
+impl Row {
+    fn new(cells: &[Cell], ellipsoid: &Ellipsoid) -> Self {
+        let places = cells.iter().map(|cell| {
+            let normal = Ellipsoid::normal(cell.lat_rad, cell.lon_rad);
+            (ellipsoid.surface_point(normal), normal)
+        });
+        Self {
+            lat_rad: cells.first().map_or(0.0, |cell| cell.lat_rad),
+            places: places.collect(),
+        }
+    }
 }
 
 /// Seconds from instant to instant.
@@ -140,7 +188,11 @@ fn step(
     let mut step_s = LONGEST_STEP_S;
     for (feed, sensor) in satellites {
         let (first, last) = feed.validity();
-        let state = feed.state_at(epoch.max(first).min(last))?;
+        let state = match feed.state_at(epoch.max(first).min(last)) {
+            Ok(state) => state,
+            Err(error) if is_unknown(&error) => continue,
+            Err(error) => return Err(error),
+        };
         let (radius_m, speed_m_s) = (state.position_m.length(), state.velocity_m_s.length());
         let height_m = radius_m - ellipsoid.polar_radius_m;
         let half_angle_rad = match sensor.field.shape {
@@ -185,8 +237,21 @@ impl Reach {
     }
 
     /// Raises the margin of each place to this satellite's: the smaller of the angles within the limits, radians.
-    fn add(&self, places: &[(DVec3, DVec3)], margins: &mut [f64]) {
+    fn add(&self, rows: &[Row], margins: &mut [f64]) {
         let toward = self.place_itrf_m.normalize_or_zero();
+        let lat_rad = toward.z.clamp(-1.0, 1.0).asin();
+        let mut rest = margins;
+        for row in rows {
+            let (margins, after) = rest.split_at_mut(row.places.len());
+            rest = after;
+            // Two directions are at least as far apart as their latitudes.
+            if (row.lat_rad - lat_rad).cos() >= self.least_cos {
+                self.add_row(toward, &row.places, margins);
+            }
+        }
+    }
+
+    fn add_row(&self, toward: DVec3, places: &[(DVec3, DVec3)], margins: &mut [f64]) {
         for ((place, normal), margin) in places.iter().zip(margins) {
             if normal.dot(toward) < self.least_cos {
                 continue;

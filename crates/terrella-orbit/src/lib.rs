@@ -81,7 +81,9 @@ use terrella_frames::Epoch;
 pub use access::{Access, AccessFrom, AccessRule, MAX_ACCESSES, accesses};
 pub use attitude::{AttitudeError, AttitudeHistory};
 pub use catalogue::Catalogue;
-pub use coverage::{Cell, CellCoverage, GroundSensor, MAX_CELLS, coverage, coverage_grid};
+pub use coverage::{
+    Cell, CellCoverage, GroundSensor, MAX_CELLS, coverage, coverage_grid, coverage_while,
+};
 pub use cut::CutOff;
 pub use entry::{RecordError, RecordFault};
 pub use ephemerides::Ephemerides;

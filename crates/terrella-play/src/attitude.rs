@@ -1,7 +1,7 @@
 //! How spacecraft are turned: by rules, or by files.
 
 use super::camera::OrbitalMotion;
-use crate::scene::{AttitudeName, AttitudeSource};
+use crate::scene::{AttitudeName, AttitudeSource, Spin};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 use terrella::Sky;
@@ -12,6 +12,8 @@ use terrella_orbit::{AttitudeError, AttitudeHistory, Frame};
 #[derive(Clone)]
 pub enum Attitude {
     Rule(AttitudeName),
+    /// A rule, and on top of it a spin from an epoch on.
+    Spinning(AttitudeName, Spin, Epoch),
     File(Arc<AttitudeHistory>),
 }
 
@@ -39,7 +41,7 @@ impl Attitude {
     /// The first epoch at which it is unknown, and the time span of the file.
     pub fn check_span(&self, first: Epoch, last: Epoch) -> Result<(), AttitudeError> {
         match self {
-            Self::Rule(_) => Ok(()),
+            Self::Rule(_) | Self::Spinning(..) => Ok(()),
             Self::File(history) => history.check_span(first, last),
         }
     }
@@ -57,6 +59,14 @@ impl Attitude {
                 let of_date = || Frame::Gcrf.itrf_from(moment.epoch, moment.orientation);
                 // A simulation has its own Earth orientation.
                 Ok(moment.sky.itrf_from_gcrf.unwrap_or_else(of_date))
+            }
+            Self::Spinning(rule, spin, start) => {
+                let axes = Self::Rule(*rule).itrf_from_craft(moment)?;
+                let turned_deg = spin.rate_deg_s * (moment.epoch - *start).to_seconds();
+                let axis = spin.axis.normalize_or(DVec3::Z);
+                // Of many turns the whole ones do not count.
+                let turned_rad = (turned_deg % 360.0).to_radians();
+                Ok(axes * DMat3::from_axis_angle(axis, turned_rad))
             }
             Self::File(history) => history.itrf_from_body(moment.epoch, moment.orientation),
         }
@@ -119,6 +129,16 @@ mod tests {
             of(AttitudeName::Inertial, &sky),
             DMat3::from_rotation_z(1.0)
         );
+        // A quarter turn after 15 s about z of the craft: its x is where its y was.
+        let spin = Spin {
+            axis: DVec3::Z * 2.0,
+            rate_deg_s: 6.0 + 360.0,
+        };
+        let start = Epoch::default() - 15.0 * hifitime::Unit::Second;
+        let attitude = Attitude::Spinning(AttitudeName::Nadir, spin, start);
+        let spun = attitude.itrf_from_craft(&moment(&motion, &sky)).unwrap();
+        assert!(spun.x_axis.distance(level.y_axis) < 1e-12, "{spun}");
+        assert!(spun.z_axis.distance(level.z_axis) < 1e-12);
         for ahead in [DVec3::Y, DVec3::NEG_Y] {
             let turned = of(AttitudeName::Sun, &Sky::new(ahead));
             assert!((turned.determinant() - 1.0).abs() < 1e-12, "{turned}");

@@ -1,6 +1,9 @@
 //! Captions over finished images: their text and position.
 
 use super::caption_image::{read_image, scaled};
+use super::caption_legend::{LaidLegend, rgb};
+use super::coverage_layer::{CoverageLegend, coverage_legend};
+use super::coverage_scale::CoverageScale;
 use super::egui_pass::EguiTarget;
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
@@ -28,7 +31,9 @@ const MARGIN_FRACTION: f32 = 0.02;
 const PADDING: f32 = 0.35;
 /// Times of frames are rounded: what is nearly a second is one.
 const ROUNDING_S: f64 = 0.0005;
-/// Placeholder for an unknown value.
+/// Opacity of the plate behind a legend.
+const LEGEND_PLATE_OPACITY: f64 = 0.5;
+/// What is not known is written so.
 const UNKNOWN: &str = "–";
 
 /// The captions of a scene.
@@ -37,14 +42,29 @@ pub struct CaptionLayer {
     captions: Vec<Caption>,
     start: Epoch,
     satellite: Option<String>,
+    legend: Option<Caption>,
+    /// On the left and at the bottom, pixels.
+    covered_px: [f32; 2],
     has_warned: bool,
 }
 
 struct Caption {
-    table: CaptionTable,
-    /// Text in the last prepared image.
-    text: String,
-    image: Option<TextureHandle>,
+    place: CaptionPlace,
+    plate_opacity: f64,
+    shown: Shown,
+}
+
+/// What a caption shows.
+enum Shown {
+    Text {
+        parts: Vec<CaptionPart>,
+        size_px: Option<f64>,
+        color: [u8; 3],
+        /// Of the picture that was prepared last.
+        text: String,
+    },
+    Image(TextureHandle),
+    Legend(CoverageScale),
 }
 
 /// Values that captions show.
@@ -57,32 +77,44 @@ struct CaptionState<'m> {
 }
 
 impl CaptionLayer {
-    /// The captions of a flight's scene on images of the format `shown`; `None` if it has none.
+    /// The captions of a flight's scene on pictures of the format `shown`, with the legend of its map; `None` where it has neither.
     ///
     /// # Errors
-    /// An image file that cannot be read.
+    /// An image that cannot be read, and a map that cannot be computed.
     pub fn of(
         flight: &Flight,
         gpu: &GpuContext,
         shown: wgpu::TextureFormat,
     ) -> Result<Option<Self>, PlayError> {
         let scene = flight.scene();
-        if scene.captions.is_empty() {
+        let has_legend = scene
+            .coverage
+            .as_ref()
+            .is_some_and(|one| one.legend.is_some());
+        if scene.captions.is_empty() && !has_legend {
             return Ok(None);
         }
         let overlay = TextOverlay::new(&gpu.device, shown);
         let captions = scene.captions.iter().map(|table| {
-            let image = match &table.content {
-                CaptionContent::Text { .. } => None,
+            Ok(match &table.content {
+                CaptionContent::Text {
+                    parts,
+                    size_px,
+                    color,
+                } => Caption::of(
+                    table,
+                    Shown::Text {
+                        parts: parts.clone(),
+                        size_px: *size_px,
+                        color: *color,
+                        text: String::new(),
+                    },
+                ),
                 CaptionContent::Image { file, width_px } => {
                     let image = scaled(read_image(file)?, *width_px);
-                    Some(overlay.load(&file.display().to_string(), image))
+                    let image = overlay.load(&file.display().to_string(), image);
+                    Caption::of(table, Shown::Image(image))
                 }
-            };
-            Ok(Caption {
-                table: table.clone(),
-                text: String::new(),
-                image,
             })
         });
         let captions = captions.collect::<Result<_, PlayError>>()?;
@@ -91,8 +123,21 @@ impl CaptionLayer {
             overlay,
             start: scene.time.start,
             satellite: flight.feed().map(|feed| feed.name().to_owned()),
+            legend: coverage_legend(scene, flight)?.map(Caption::legend),
+            covered_px: [0.0; 2],
             has_warned: false,
         }))
+    }
+
+    /// Leaves so much of the picture to the panel, on the left and at the bottom, pixels.
+    #[cfg(feature = "window")]
+    pub fn leave_to_panel(&mut self, covered_px: [f32; 2]) {
+        self.covered_px = covered_px;
+    }
+
+    /// Draws this legend from now on, or none.
+    pub fn show_legend(&mut self, legend: Option<CoverageLegend>) {
+        self.legend = legend.map(Caption::legend);
     }
 
     /// Writes down what captions show of an instant.
@@ -106,12 +151,12 @@ impl CaptionLayer {
             speed_m_s: satellite.map(|satellite| satellite.speed_m_s),
         };
         for caption in &mut self.captions {
-            if let CaptionContent::Text { parts, .. } = &caption.table.content {
-                caption.text.clear();
+            if let Shown::Text { parts, text, .. } = &mut caption.shown {
+                text.clear();
                 for part in parts {
                     match part {
-                        CaptionPart::Text(text) => caption.text.push_str(text),
-                        CaptionPart::Value(value) => state.write(*value, &mut caption.text),
+                        CaptionPart::Text(always) => text.push_str(always),
+                        CaptionPart::Value(value) => state.write(*value, text),
                     }
                 }
             }
@@ -120,15 +165,38 @@ impl CaptionLayer {
 
     /// Draws them over the finished picture.
     pub fn draw(&mut self, target: EguiTarget<'_>) {
-        let captions = &self.captions;
+        let all: Vec<_> = self.captions.iter().chain(&self.legend).collect();
+        let [left, bottom] = self.covered_px;
         let mut fits = true;
         self.overlay.draw(target, |painter, screen| {
-            fits = paint(painter, screen, captions);
+            let free = Rect::from_min_max(
+                screen.min + Vec2::new(left.min(0.9 * screen.width()), 0.0),
+                screen.max - Vec2::new(0.0, bottom.min(0.9 * screen.height())),
+            );
+            fits = paint(painter, screen, free, &all);
         });
         if !fits && !std::mem::replace(&mut self.has_warned, true) {
             tracing::warn!(
                 "captions do not fit into the picture at their size: some are drawn smaller or left out; shorten them, or give them size_px or width_px"
             );
+        }
+    }
+}
+
+impl Caption {
+    fn of(table: &CaptionTable, shown: Shown) -> Self {
+        Self {
+            place: table.place,
+            plate_opacity: table.plate_opacity,
+            shown,
+        }
+    }
+
+    fn legend(legend: CoverageLegend) -> Self {
+        Self {
+            place: legend.place,
+            plate_opacity: LEGEND_PLATE_OPACITY,
+            shown: Shown::Legend(legend.scale),
         }
     }
 }
@@ -216,6 +284,7 @@ fn sides(place: CaptionPlace) -> (i8, i8) {
 enum Laid {
     Text(Arc<Galley>, Color32),
     Image(egui::TextureId, Vec2),
+    Legend(LaidLegend),
 }
 
 impl Laid {
@@ -223,16 +292,17 @@ impl Laid {
         match self {
             Self::Text(galley, _) => galley.size(),
             Self::Image(_, size) => *size,
+            Self::Legend(legend) => legend.size(),
         }
     }
 }
 
-/// Draws all captions; returns whether they fit at the intended size.
-fn paint(painter: &Painter, screen: Rect, captions: &[Caption]) -> bool {
+/// Draws all captions in the free part of the picture; answers whether they have the size that they should.
+fn paint(painter: &Painter, screen: Rect, free: Rect, captions: &[&Caption]) -> bool {
     let usual = (LETTER_FRACTION * screen.height()).clamp(*LETTER_PX.start(), *LETTER_PX.end());
     let margin = MARGIN_FRACTION * screen.width().min(screen.height());
-    let room = screen.shrink(margin);
-    let mut places: Vec<_> = captions.iter().map(|one| one.table.place).collect();
+    let room = free.shrink(margin);
+    let mut places: Vec<_> = captions.iter().map(|one| one.place).collect();
     places.sort_unstable();
     places.dedup();
     let mut fits = true;
@@ -245,10 +315,7 @@ fn paint(painter: &Painter, screen: Rect, captions: &[Caption]) -> bool {
             (count, _) => count as f32,
         };
         let width = room.width() / columns;
-        let own: Vec<_> = captions
-            .iter()
-            .filter(|one| one.table.place == *place)
-            .collect();
+        let own: Vec<_> = captions.iter().filter(|one| one.place == *place).collect();
         // All of a place shrink together until they fit.
         let mut scale = 1.0;
         let laid = loop {
@@ -293,7 +360,7 @@ fn paint(painter: &Painter, screen: Rect, captions: &[Caption]) -> bool {
                 fits = false;
                 continue;
             }
-            paint_one(painter, laid, plate, *padding, caption.table.plate_opacity);
+            paint_one(painter, laid, plate, *padding, caption.plate_opacity);
         }
     }
     fits
@@ -307,23 +374,30 @@ fn lay_out(
     width: f32,
     scale: f32,
 ) -> (Laid, f32) {
-    match &caption.table.content {
-        CaptionContent::Text { size_px, color, .. } => {
+    match &caption.shown {
+        Shown::Text {
+            size_px,
+            color,
+            text,
+            ..
+        } => {
             let letter = (size_px.map_or(usual, |size| size as f32) * scale).max(LEAST_PX);
             let padding = PADDING * letter;
-            let [red, green, blue] = *color;
-            let color = Color32::from_rgb(red, green, blue);
+            let color = rgb(*color);
             let font = FontId::proportional(letter);
             let wrapped = (width - 2.0 * padding).max(1.0);
-            let galley = painter.layout(caption.text.clone(), font, color, wrapped);
+            let galley = painter.layout(text.clone(), font, color, wrapped);
             (Laid::Text(galley, color), padding)
         }
-        CaptionContent::Image { .. } => {
+        Shown::Image(image) => {
             let padding = PADDING * usual * scale;
-            let image = caption.image.as_ref();
-            let size = image.map_or(Vec2::ZERO, TextureHandle::size_vec2) * scale;
-            let id = image.map_or_else(egui::TextureId::default, TextureHandle::id);
-            (Laid::Image(id, size), padding)
+            (Laid::Image(image.id(), image.size_vec2() * scale), padding)
+        }
+        Shown::Legend(of) => {
+            let letter = (usual * scale).max(LEAST_PX);
+            let padding = PADDING * letter;
+            let legend = LaidLegend::new(painter, of, letter, width - 2.0 * padding);
+            (Laid::Legend(legend), padding)
         }
     }
 }
@@ -343,6 +417,7 @@ fn paint_one(painter: &Painter, laid: &Laid, plate: Rect, padding: f32, opacity:
             let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
             painter.image(*id, Rect::from_min_size(at, *size), whole, Color32::WHITE);
         }
+        Laid::Legend(legend) => legend.paint(painter, at),
     }
 }
 

@@ -61,20 +61,34 @@ fn a_second_begins_with_its_frame() {
 /// The rectangles of plates and of texts, and whether captions had their size.
 fn laid_out(text: &str, size: Vec2) -> (Vec<Rect>, Vec<Rect>, bool) {
     let captions = scene(text).captions.into_iter().map(|table| {
-        let text = match &table.content {
-            CaptionContent::Text { parts, .. } => parts.iter().map(|part| match part {
-                CaptionPart::Text(text) => text.clone(),
-                CaptionPart::Value(_) => "a value".to_owned(),
-            }),
-            CaptionContent::Image { .. } => panic!("texts alone"),
+        let CaptionContent::Text {
+            parts,
+            size_px,
+            color,
+        } = &table.content
+        else {
+            panic!("texts alone");
         };
-        Caption {
-            text: text.collect(),
-            table,
-            image: None,
-        }
+        let text = parts.iter().map(|part| match part {
+            CaptionPart::Text(text) => text.clone(),
+            CaptionPart::Value(_) => "a value".to_owned(),
+        });
+        Caption::of(
+            &table,
+            Shown::Text {
+                parts: parts.clone(),
+                size_px: *size_px,
+                color: *color,
+                text: text.collect(),
+            },
+        )
     });
-    let captions: Vec<_> = captions.collect();
+    painted(&captions.collect::<Vec<_>>(), size)
+}
+
+/// The same of these captions.
+fn painted(captions: &[Caption], size: Vec2) -> (Vec<Rect>, Vec<Rect>, bool) {
+    let captions: Vec<_> = captions.iter().collect();
     let screen = Rect::from_min_size(Pos2::ZERO, size);
     let input = RawInput {
         screen_rect: Some(screen),
@@ -83,7 +97,7 @@ fn laid_out(text: &str, size: Vec2) -> (Vec<Rect>, Vec<Rect>, bool) {
     let mut fits = true;
     let mut output = Context::default().run_ui(input, |ui| {
         let painter = ui.ctx().layer_painter(egui::LayerId::background());
-        fits = paint(&painter, screen, &captions);
+        fits = paint(&painter, screen, screen, &captions);
     });
     output.textures_delta.clear();
     let (mut plates, mut texts) = (Vec::new(), Vec::new());
@@ -175,4 +189,50 @@ fn no_plate_is_drawn_at_opacity_0() {
     let (plates, texts, _) = laid_out(text, Vec2::new(1280.0, 720.0));
     assert!(plates.is_empty());
     assert!((25.0..45.0).contains(&texts[0].height()), "{}", texts[0]);
+}
+
+/// A plate, on it the title and a patch of colour with its words for each class; also in the smallest window. It stands off captions of
+/// its place.
+#[test]
+fn a_legend_has_its_classes_on_its_plate() {
+    let scale = CoverageScale::of_count(6);
+    let classes = scale.classes.len();
+    assert_eq!(classes, 6);
+    let legend = CoverageLegend {
+        scale,
+        place: CaptionPlace::BottomRight,
+    };
+    let beside = CaptionTable {
+        content: CaptionContent::Text {
+            parts: Vec::new(),
+            size_px: None,
+            color: [255; 3],
+        },
+        place: CaptionPlace::BottomRight,
+        plate_opacity: 0.5,
+    };
+    let text = Shown::Text {
+        parts: Vec::new(),
+        size_px: None,
+        color: [255; 3],
+        text: "Views of the space station".to_owned(),
+    };
+    let captions = [Caption::of(&beside, text), Caption::legend(legend)];
+    for size in [Vec2::new(640.0, 360.0), Vec2::new(3840.0, 2160.0)] {
+        let (plates, texts, fits) = painted(&captions, size);
+        assert!(fits, "{size}");
+        assert_eq!((plates.len(), texts.len()), (2 + classes, 2 + classes));
+        let [caption, legend] = [plates[0], plates[1]];
+        assert!(
+            !caption.shrink(0.5).intersects(legend),
+            "{caption} {legend}"
+        );
+        for inside in plates[2..].iter().chain(&texts[1..]) {
+            assert!(legend.contains_rect(*inside), "{inside} off {legend}");
+        }
+        for (patch, words) in plates[2..].iter().zip(&texts[2..]) {
+            assert!(patch.right() < words.left());
+            assert!(patch.y_range().contains(words.center().y));
+        }
+    }
 }

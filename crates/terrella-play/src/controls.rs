@@ -2,17 +2,18 @@
 
 use super::camera::HeadTurn;
 use super::clock::{AtEnd, Clock};
+use super::film_plan::{FilmSource, FilmView};
 use super::flight::{Flight, ViewRequest};
 use super::hand::{FreeEye, Hand};
 use super::keys::Action;
 use super::live_status::LiveStatus;
 use super::picking::{Picked, ReadOut};
 use super::satellite_list::SatelliteNames;
-use super::switches::Switches;
+use super::switches::{Site, Switches};
 use super::timeline::TimeLine;
 use crate::scene::CameraMode;
-use terrella::Exposure;
-use terrella::frames::{Epoch, Geodetic};
+use terrella::frames::{Ellipsoid, Epoch, Geodetic};
+use terrella::{Exposure, EyeView};
 
 /// Most that one event magnifies, as a power of two: more comes from a faulty device.
 const MAX_ZOOM_STEP: f64 = 8.0;
@@ -47,6 +48,14 @@ pub struct Controls {
     pub help: bool,
     /// Whether the question to close the window is open.
     pub asks_to_close: bool,
+    /// What films are made of; `None` where a simulator gives the time.
+    pub film: Option<FilmSource>,
+    /// Whether the program that opened the window makes films.
+    pub makes_films: bool,
+    /// Whether the dialog for films is open.
+    pub asks_for_film: bool,
+    /// The film that is being made, in words.
+    pub film_in_work: Option<String>,
     /// Whether scale bar and compass are visible.
     pub map_scale: bool,
     pub line: TimeLine,
@@ -80,6 +89,8 @@ pub enum WindowTask {
     Follow(usize),
     /// Set the clock to a date.
     GoTo(Epoch),
+    /// Make a film.
+    MakeFilm,
     /// Close.
     Quit,
 }
@@ -101,6 +112,10 @@ impl Controls {
             panel: true,
             help: false,
             asks_to_close: false,
+            film: FilmSource::of(flight),
+            makes_films: false,
+            asks_for_film: false,
+            film_in_work: None,
             map_scale: false,
             line: TimeLine::new(flight),
             message: None,
@@ -137,6 +152,19 @@ impl Controls {
         self.look.fov_rad(self.scene_fov_rad)
     }
 
+    /// What a film would show of this view.
+    pub fn film_view<'v>(&'v self, view: &'v EyeView, ellipsoid: &Ellipsoid) -> FilmView<'v> {
+        FilmView {
+            clock: &self.clock,
+            switches: &self.switches,
+            free_eye: self.hand.eye(),
+            mode: self.mode,
+            fov_rad: self.fov_rad(),
+            view,
+            ellipsoid: *ellipsoid,
+        }
+    }
+
     /// Lets time pass.
     pub fn advance(&mut self, wall_dt_s: f64) {
         self.clock.advance(wall_dt_s.min(MAX_STEP_S));
@@ -147,7 +175,7 @@ impl Controls {
 
     /// Whether layers, exposure or tone curve are not the scene's.
     pub fn is_switched(&self) -> bool {
-        self.switches != self.scene_switches
+        self.switches.at(None) != self.scene_switches
     }
 
     /// Whether the exposure is metered.
@@ -162,16 +190,21 @@ impl Controls {
 
     /// Whether something is open or selected that Esc closes.
     pub fn is_something_open(&self) -> bool {
-        self.help || self.asks_to_close || self.picked.is_some()
+        self.help || self.asks_to_close || self.asks_for_film || self.picked.is_some()
     }
 
     /// Closes the topmost dialog, or clears the selection; without either, opens the question to close the window.
     fn dismiss(&mut self) {
-        match (self.asks_to_close, self.help, self.picked) {
-            (true, _, _) => self.asks_to_close = false,
-            (false, true, _) => self.help = false,
-            (false, false, Some(_)) => (self.picked, self.read_out) = (None, None),
-            (false, false, None) => self.asks_to_close = true,
+        if self.asks_to_close {
+            self.asks_to_close = false;
+        } else if self.help {
+            self.help = false;
+        } else if self.asks_for_film {
+            self.asks_for_film = false;
+        } else if self.picked.is_some() {
+            (self.picked, self.read_out) = (None, None);
+        } else {
+            self.asks_to_close = true;
         }
     }
 
@@ -225,7 +258,9 @@ impl Controls {
             Action::Expose(exposure) => self.switches.exposure = exposure,
             Action::Tone(tone) => self.switches.tone = Some(tone),
             Action::NextTone => self.switches.next_tone(),
-            Action::SceneLook => self.switches = self.scene_switches,
+            Action::SceneLook => {
+                self.switches = self.scene_switches.at(self.switches.site);
+            }
             Action::Help => self.help = !self.help,
             Action::Panel => self.panel = !self.panel,
             Action::TimeLine if self.panel => self.line.shown = !self.line.shown,
@@ -246,9 +281,13 @@ impl Controls {
             Action::SceneSpan => self.clock.return_to_scene_span(),
             Action::Place(lat_deg, lon_deg) => {
                 self.line.place = Some(Geodetic::from_degrees(lat_deg, lon_deg, 0.0));
+                self.show_site();
             }
             Action::VisibleOnly => self.line.visible_only = !self.line.visible_only,
-            Action::MinElevation(degrees) => self.line.min_elevation_deg = degrees,
+            Action::MinElevation(degrees) => {
+                self.line.min_elevation_deg = degrees;
+                self.show_site();
+            }
             // A second time it is left; the clock goes on by itself.
             Action::RealTime if self.line.is_real_time() => self.line.leave_real_time(),
             Action::RealTime => return Some(WindowTask::RealTime),
@@ -266,10 +305,22 @@ impl Controls {
             Action::FullScreen => return Some(WindowTask::FullScreen),
             Action::Dismiss => self.dismiss(),
             Action::Confirm if self.asks_to_close => return Some(WindowTask::Quit),
+            Action::Confirm if self.asks_for_film => return Some(WindowTask::MakeFilm),
             Action::Confirm => {}
+            Action::Film => self.asks_for_film = !self.asks_for_film && self.film.is_some(),
+            Action::MakeFilm => return Some(WindowTask::MakeFilm),
             Action::Quit => return Some(WindowTask::Quit),
         }
         None
+    }
+
+    /// Draws the place of passes as a station.
+    fn show_site(&mut self) {
+        let min_elevation_deg = self.line.min_elevation_deg;
+        self.switches.site = self.line.place.map(|place| Site {
+            place,
+            min_elevation_deg,
+        });
     }
 
     fn next_camera(&mut self) {

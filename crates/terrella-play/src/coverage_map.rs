@@ -1,31 +1,22 @@
 //! How a scene's satellites cover the ground: a table by latitude, one by cell, and a map as GeoJSON.
 
+use super::coverage_cells::CoverageCells;
+use super::coverage_scale::gap_color;
 use super::{Flight, PlayError, Satellite};
 use std::fmt::Write;
-use terrella::frames::{Duration, Epoch, rfc3339};
-use terrella_orbit::{Cell, CellCoverage, GroundSensor, MAX_CELLS, coverage, coverage_grid};
+use terrella::frames::{Duration, rfc3339};
+use terrella_orbit::{Cell, CellCoverage, GroundSensor, MAX_CELLS, coverage_grid, coverage_while};
 
 /// The columns of a table of cells.
 const CSV_HEADER: &str = "lat_deg,lon_deg,accesses,covered_s,longest_gap_s,revisit_s\n";
 /// Height of a band of the table by latitude, degrees.
 const BAND_DEG: f64 = 10.0;
-/// Colours of a map, by the longest gap in hours up to which each is for: yellow, green, blue, violet. No view at all has none.
-const COLORS: [(f64, &str); 6] = [
-    (0.5, "#fde725"),
-    (1.0, "#7ad151"),
-    (3.0, "#22a884"),
-    (6.0, "#2a788e"),
-    (12.0, "#414487"),
-    (f64::INFINITY, "#440154"),
-];
 /// Opacity of these cells.
 const OPACITY: f64 = 0.5;
 
 /// What is covered, by what.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoverageRequest {
-    /// That of every satellite.
-    pub sensor: GroundSensor,
     /// Side of a cell, degrees.
     pub step_deg: f64,
     /// West, south, east and north, degrees.
@@ -37,20 +28,30 @@ pub struct CoverageRequest {
 /// The cells of a region, with what of them is covered.
 pub struct CoverageMap {
     names: String,
-    span: (Epoch, Epoch),
-    cells: Vec<(Cell, CellCoverage)>,
+    found: CoverageCells,
 }
 
 impl CoverageMap {
-    /// Computes it: all of these satellites with the same sensor.
+    /// Computes it, of these satellites with their sensors.
     ///
     /// # Errors
     /// Too many cells, and what a feed rejects.
     pub fn new(
         flight: &Flight,
-        satellites: &[&Satellite],
+        sensors: &[(&Satellite, GroundSensor)],
         request: &CoverageRequest,
     ) -> Result<Self, PlayError> {
+        // It is always wanted.
+        Self::new_while(&|| true, flight, sensors, request)?.ok_or(PlayError::NoSatellite)
+    }
+
+    /// The same as long as it is wanted; `None` once it is not.
+    pub(crate) fn new_while(
+        is_wanted: &dyn Fn() -> bool,
+        flight: &Flight,
+        sensors: &[(&Satellite, GroundSensor)],
+        request: &CoverageRequest,
+    ) -> Result<Option<Self>, PlayError> {
         let scene = flight.scene();
         let span = scene.time.span(request.length);
         let region = request.region_deg.map(f64::to_radians);
@@ -59,23 +60,32 @@ impl CoverageMap {
             return Err(PlayError::CoverageCells { most: MAX_CELLS });
         }
         let orientation = |epoch| flight.orientation_at(epoch);
-        let sensors: Vec<_> = satellites
+        let feeds: Vec<_> = sensors
             .iter()
-            .map(|satellite| (satellite.feed(), request.sensor))
+            .map(|(satellite, sensor)| (satellite.feed(), *sensor))
             .collect();
-        let found = coverage(&grid, &sensors, flight.ellipsoid(), &orientation, span)?;
-        let names: Vec<_> = satellites
-            .iter()
-            .map(|satellite| satellite.name())
-            .collect();
-        Ok(Self {
+        let ellipsoid = flight.ellipsoid();
+        let found = coverage_while(is_wanted, &grid, &feeds, ellipsoid, &orientation, span)?;
+        let Some(found) = found else {
+            return Ok(None);
+        };
+        let names: Vec<_> = sensors.iter().map(|(one, _)| one.name()).collect();
+        Ok(Some(Self {
             names: match names.as_slice() {
                 [] | [_] | [_, _] | [_, _, _] => names.join(", "),
                 all => format!("{} satellites", all.len()),
             },
-            span,
-            cells: grid.into_iter().zip(found).collect(),
-        })
+            found: CoverageCells {
+                span,
+                west_rad: region[0],
+                cells: grid.into_iter().zip(found).collect(),
+            },
+        }))
+    }
+
+    /// The cells alone.
+    pub(crate) fn into_cells(self) -> CoverageCells {
+        self.found
     }
 
     /// Bands of latitude, from north to south, and all of them: the share of the area that is seen, and means over the seen part.
@@ -84,9 +94,9 @@ impl CoverageMap {
         let mut text = format!(
             "{}, {} cells, {} to {}\n{:>14} {:>8} {:>10} {:>12} {:>12} {:>12}\n",
             self.names,
-            self.cells.len(),
-            rfc3339(self.span.0),
-            rfc3339(self.span.1),
+            self.found.cells.len(),
+            rfc3339(self.found.span.0),
+            rfc3339(self.found.span.1),
             "latitude",
             "covered",
             "accesses",
@@ -99,7 +109,7 @@ impl CoverageMap {
             let south = -90.0 + f64::from(band) * BAND_DEG;
             let range = south..south + BAND_DEG;
             let is_in = |cell: &Cell| range.contains(&cell.lat_rad.to_degrees());
-            if self.cells.iter().any(|(cell, _)| is_in(cell)) {
+            if self.found.cells.iter().any(|(cell, _)| is_in(cell)) {
                 let name = format!("{south:.0}° to {:.0}°", south + BAND_DEG);
                 let _ = writeln!(text, "{name:>14} {}", self.row(is_in));
             }
@@ -112,7 +122,7 @@ impl CoverageMap {
     fn row(&self, is_in: impl Fn(&Cell) -> bool) -> String {
         let mean = |value: &dyn Fn(&CellCoverage) -> Option<f64>| {
             let (mut sum, mut weight) = (0.0, 0.0);
-            for (cell, one) in self.cells.iter().filter(|(cell, _)| is_in(cell)) {
+            for (cell, one) in self.found.cells.iter().filter(|(cell, _)| is_in(cell)) {
                 if let Some(value) = value(one) {
                     sum += cell.weight() * value;
                     weight += cell.weight();
@@ -128,6 +138,7 @@ impl CoverageMap {
         let view = mean(&|one| seen(one).then(|| one.covered_s / 60.0));
         let revisit = mean(&|one| one.revisit_s.map(|s| s / 60.0));
         let seen_cells = self
+            .found
             .cells
             .iter()
             .filter(|(cell, one)| is_in(cell) && seen(one));
@@ -147,7 +158,7 @@ impl CoverageMap {
     /// A row for each cell.
     pub fn csv(&self) -> String {
         let mut text = CSV_HEADER.to_owned();
-        for (cell, one) in &self.cells {
+        for (cell, one) in &self.found.cells {
             let _ = writeln!(
                 text,
                 "{:.4},{:.4},{},{:.1},{:.1},{}",
@@ -165,10 +176,9 @@ impl CoverageMap {
 
     /// The cells as polygons, coloured by their longest gap: for `[[geojson]]` of a scene. Cells that are never in view are left out.
     pub fn geojson(&self) -> String {
-        let features = self.cells.iter().filter(|(_, one)| one.accesses > 0).map(|(cell, one)| {
-            let hours = one.longest_gap_s / 3600.0;
-            let color = COLORS.iter().find(|(most, _)| hours <= *most);
-            let color = color.map_or(COLORS[COLORS.len() - 1].1, |(_, color)| *color);
+        let features = self.found.cells.iter().filter(|(_, one)| one.accesses > 0).map(|(cell, one)| {
+            let [red, green, blue] = gap_color(one.longest_gap_s);
+            let color = format!("#{red:02x}{green:02x}{blue:02x}");
             let [a, b, c, d] = cell.corners_deg();
             serde_json::json!({
                 "type": "Feature",

@@ -24,7 +24,7 @@ impl CraftModels {
     /// Reads all models that a scene names.
     pub fn open(scene: &Scene) -> Result<Self, PlayError> {
         let mut all = Self::default();
-        let mut by_file: HashMap<PathBuf, usize> = HashMap::new();
+        let mut by_file: HashMap<(PathBuf, Vec<&str>), usize> = HashMap::new();
         let mut read: HashMap<&AttitudeSource, Attitude> = HashMap::new();
         for orbit in &scene.orbits {
             let source = &orbit.craft.attitude;
@@ -35,22 +35,31 @@ impl CraftModels {
                     .or_insert(Attitude::open(source)?)
                     .clone(),
             };
+            let attitude = match (attitude, orbit.craft.spin) {
+                (Attitude::Rule(rule), Some(spin)) => {
+                    Attitude::Spinning(rule, spin, scene.time.start)
+                }
+                (attitude, _) => attitude,
+            };
             all.attitudes.push(attitude);
             let Some(wanted) = &orbit.craft.model else {
                 all.places.push(None);
                 continue;
             };
-            let place = match by_file.get(&wanted.file) {
+            let turned = wanted.articulations.iter();
+            let turned: Vec<_> = turned.map(|one| one.node.as_str()).collect();
+            let wanted = (wanted.file.clone(), turned);
+            let place = match by_file.get(&wanted) {
                 Some(place) => *place,
                 None => {
-                    let model = Model::load(&wanted.file)?;
+                    let model = Model::load_jointed(&wanted.0, &wanted.1)?;
                     if !model.ignored.is_empty() {
                         let names: Vec<_> = model.ignored.iter().map(String::as_str).collect();
                         let names = names.join(", ");
-                        tracing::warn!("{}: not drawn: {names}", wanted.file.display());
+                        tracing::warn!("{}: not drawn: {names}", wanted.0.display());
                     }
                     all.models.push(Arc::new(model));
-                    by_file.insert(wanted.file.clone(), all.models.len() - 1);
+                    by_file.insert(wanted, all.models.len() - 1);
                     all.models.len() - 1
                 }
             };

@@ -251,7 +251,9 @@ pub enum PlayError {
         most: usize,
     },
     /// A map of coverage with too many cells.
-    #[error("the region has more than {most} cells; choose a larger --step or a smaller --region")]
+    #[error(
+        "the region has more than {most} cells; choose larger cells (--step, step_deg) or a smaller region (--region, region_deg)"
+    )]
     CoverageCells { most: usize },
     /// A view of which there is no picture.
     #[error("there are no truth layers of this view: its eye or projection is not finite")]
@@ -359,6 +361,12 @@ pub enum WindowError {
     /// The thread that looks for passes cannot be started.
     #[error("the thread that looks for passes cannot be started: {0}")]
     NoPasses(std::io::Error),
+    /// The thread that makes pictures of other layers cannot be started.
+    #[error("the thread that makes images of other layers cannot be started: {0}; free memory")]
+    NoPictures(std::io::Error),
+    /// No thread for the map of coverage.
+    #[error("no thread for the map of coverage: {0}; free memory, or leave [coverage] out")]
+    NoCoverage(std::io::Error),
     /// The window's surface takes no 8-bit sRGB colour.
     #[error(
         "the window's surface offers no 8-bit sRGB colour, only {present:?}; choose another adapter with --adapter, or \

@@ -4,6 +4,7 @@ use super::attitude::AttitudeMoment;
 use super::camera::{HeadTurn, OrbitalMotion, Pose};
 use super::camera_path::CameraPath;
 use super::caption_image::check_images;
+use super::coverage_cells::SharedCoverage;
 use super::craft::CraftPose;
 use super::craft_models::CraftModels;
 use super::error::PlayError;
@@ -39,6 +40,7 @@ pub struct Flight {
     /// Motion of the scene's camera over time.
     path: CameraPath,
     look_target: Option<LookTarget>,
+    coverage: SharedCoverage,
 }
 
 /// How one picture of an instant is wanted.
@@ -117,6 +119,7 @@ impl Flight {
         let names: Vec<_> = satellites.iter().map(Satellite::name).collect();
         let followed = scene.followed(&names)?;
         let look_target = LookTarget::of(&scene, &names, followed)?;
+        scene.coverage_satellites(&names)?;
         if let Some(satellite) = satellites.get(followed)
             && !scene.is_live()
         {
@@ -146,6 +149,7 @@ impl Flight {
             models,
             orientation,
             look_target,
+            coverage: SharedCoverage::default(),
         })
     }
 
@@ -167,6 +171,11 @@ impl Flight {
     /// The place in [`Self::satellites`] of the one that cameras fly with.
     pub fn followed(&self) -> usize {
         self.followed
+    }
+
+    /// The map of its scene's coverage, once it is computed.
+    pub(super) fn coverage(&self) -> &SharedCoverage {
+        &self.coverage
     }
 
     /// The models of the satellites.

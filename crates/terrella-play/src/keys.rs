@@ -86,6 +86,10 @@ pub enum Action {
     Select(usize),
     /// Selects a satellite, and flies with it.
     Follow(usize),
+    /// Opens or closes the dialog that makes a film.
+    Film,
+    /// Makes that film.
+    MakeFilm,
     /// Closes the topmost dialog; without one, opens the question to close the window.
     Dismiss,
     /// Confirms that question.
@@ -258,6 +262,12 @@ pub const BINDINGS: &[Binding] = &[
         action: Action::NextPass,
     },
     Binding {
+        keys: "J",
+        does: "make a film of what the time line plays",
+        patterns: &[Char("j")],
+        action: Action::Film,
+    },
+    Binding {
         keys: "Y",
         does: "passes in which the satellite is visible alone, or all passes",
         patterns: &[Char("y")],
@@ -325,7 +335,7 @@ pub const BINDINGS: &[Binding] = &[
     },
     Binding {
         keys: "Enter",
-        does: "answer yes when asked to close the window",
+        does: "answer yes when asked to close the window, or make the film",
         patterns: &[Named(NamedKey::Enter)],
         action: Action::Confirm,
     },

@@ -8,24 +8,25 @@
 //! |---|---|
 //! | `clock` | simulated time, exact frame instants |
 //! | `camera` | the four cameras of scenes, pure functions |
-//! | `camera_path`, `spline` | motion of a scene's camera through its keyframes |
-//! | `flight` | converts scene and orbit to moments |
-//! | `satellites`, `opening` | the scene's sources of motion, and the start of the scene derived from them |
-//! | `live`, `live_status` | time controlled by a simulator, and its status in the window |
-//! | `basilisk/` | time controlled by a Basilisk simulation, and the images of its cameras |
-//! | `simulator_time` | the window's time under either of them |
-//! | `ephemeris` | states of satellites, as tables and messages |
-//! | `access_table` | accesses between stations and satellites |
-//! | `coverage_map` | coverage of the ground by satellites' sensors |
-//! | `pass_table` | passes over a place |
-//! | `event_table` | events along integrated motions |
+//! | `camera_path`, `spline` | what a scene's keys make of its camera in the course of time |
+//! | `flight` | scene and orbit to moments |
+//! | `satellites`, `opening` | the scene's sources of motion, opened; which of them says when the scene begins |
+//! | `live`, `live_status` | the time of scenes whose simulator gives it; what the window reports of it |
+//! | `basilisk/` | the same of simulations of Basilisk, and the pictures of their cameras |
+//! | `simulator_time` | the window's time by either of them |
+//! | `ephemeris` | where its satellites are, as tables and messages |
+//! | `access_table` | when stations and satellites have access to each other |
+//! | `coverage_map`, `coverage_cells` | how the sensors of satellites cover the ground |
+//! | `coverage_layer`, `coverage_scale` | the same as a map on the globe; its colours and classes |
+//! | `pass_table` | when they pass over a place |
+//! | `event_table` | what was found along integrated motions |
 //! | `maps` | the scene's maps: a folder or a pack |
 //! | `colours` | colour spaces of their files |
 //! | `dated_maps/` | maps that change with the date |
 //! | `relief` | its elevation data |
 //! | `craft/` | the spacecraft that the chase camera follows |
-//! | `attitude` | attitudes of spacecraft |
-//! | `craft_models`, `model_layer/` | models of its satellites: files and rendering |
+//! | `attitude`, `articulation` | how spacecraft and parts of their models are turned |
+//! | `craft_models`, `model_layer/` | models of its satellites: the files, and how they are drawn |
 //! | `tracks/` | trails, ground tracks, footprints and names of its satellites |
 //! | `sky`, `sky_parts` | stars, Milky Way, Sun and Moon |
 //! | `scene_files` | all input files of its images |
@@ -43,12 +44,14 @@
 //! | `mp4` | checks that a video file is complete |
 //! | `output` | files that are either complete or absent |
 //! | `window`, `window_renderer`, `surface` | the window: its events, its renderer, its surface |
-//! | `controls`, `keys`, `panel`, `overlay` | user state and key bindings; the panel, and egui beneath it |
-//! | `pointer`, `hand`, `orbit_camera` | clicks and drags; manual camera control; the camera over the globe |
-//! | `pose` | position and orientation of an eye |
-//! | `picking` | the object under a click |
-//! | `egui_pass` | panel and names, drawn over images |
-//! | `place_text` | places in human-readable form |
+//! | `controls`, `keys`, `panel`, `overlay` | what the user has set, by which keys; the panel, and egui under it |
+//! | `film_plan`, `panel_film` | the film of what the window plays, and its dialog |
+//! | `picture_change` | what the user switches, made by a thread while the window goes on |
+//! | `pointer`, `hand`, `orbit_camera` | clicks and drags; the eye that they move; the camera over the globe |
+//! | `pose` | an eye and what it faces |
+//! | `picking` | what is under a click |
+//! | `egui_pass` | panel and names, drawn over pictures |
+//! | `place_text` | places as a person reads them |
 //! | `timeline/` | the time line along the bottom: scrubbing, real time, passes |
 //! | `quality_control` | the scene's resolution, and adaptive quality |
 //! | `frame_cost` | cost of frames, for adaptive quality |
@@ -57,6 +60,7 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod access_table;
+mod articulation;
 mod attitude;
 #[cfg(test)]
 #[path = "../../../tests/common/backends.rs"]
@@ -67,6 +71,7 @@ pub mod camera;
 mod camera_path;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod caption_image;
+mod caption_legend;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod captions;
 pub mod clock;
@@ -74,7 +79,10 @@ pub mod clock;
 mod colours;
 #[cfg(feature = "window")]
 mod controls;
+mod coverage_cells;
+mod coverage_layer;
 mod coverage_map;
+mod coverage_scale;
 mod craft;
 mod craft_models;
 mod dated_maps;
@@ -91,6 +99,8 @@ mod file_checks;
 mod film;
 #[cfg(feature = "window")]
 mod film_estimate;
+#[cfg(feature = "window")]
+mod film_plan;
 mod flight;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod float_files;
@@ -133,10 +143,14 @@ mod overlay;
 #[cfg(feature = "window")]
 mod panel;
 #[cfg(feature = "window")]
+mod panel_film;
+#[cfg(feature = "window")]
 mod panel_layers;
 mod pass_table;
 #[cfg(feature = "window")]
 mod picking;
+#[cfg(feature = "window")]
+mod picture_change;
 mod pictures;
 mod place_names;
 mod place_text;

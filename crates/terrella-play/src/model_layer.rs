@@ -4,9 +4,12 @@
 
 mod earth_light;
 mod gpu_model;
+mod layouts;
+mod pipelines;
 mod textures;
 mod uniforms;
 
+use super::articulation::{JointMoment, TurnedJoint, TurnedJoints};
 use super::attitude::{Attitude, AttitudeMoment};
 use super::camera::OrbitalMotion;
 use super::craft::CraftPose;
@@ -15,27 +18,28 @@ use super::flight::{Flight, Moment, motion};
 use super::satellites::orientation_at;
 use crate::scene::{ModelAxes, Scene};
 use earth_light::{EarthDisc, hides};
-use glam::{DMat3, DMat4, DVec3, Vec4};
-use gpu_model::{GpuModel, ModelLayouts, buffer};
+use glam::{DAffine3, DMat3, DMat4, DVec3, Vec4};
+use gpu_model::{GpuModel, buffer};
+use layouts::ModelLayouts;
+use pipelines::ModelPipelines;
 use std::sync::Arc;
-use terrella::frames::{EarthOrientation, Ellipsoid};
-use terrella::internals::gpu::{PassFormat, PipelineDescription, ShaderText};
-use terrella::{Earth, EarthError, EyeView, FrameStats, GpuContext, Sky, exposure_factor};
+use terrella::frames::{EarthOrientation, Ellipsoid, Epoch};
+use terrella::{Earth, EyeView, FrameStats, GpuContext, Sky, exposure_factor};
 use terrella_imagery::NeighbourhoodAlbedo;
 use terrella_imagery::tile::MAP_LAYERS;
 use terrella_orbit::Feed;
-use uniforms::{ATTRIBUTES, ModelFrame, ModelVertex};
+use uniforms::ModelFrame;
 
 /// The models of a picture or a window.
 pub struct ModelLayer {
-    format: PassFormat,
-    shader: wgpu::ShaderModule,
-    shader_bytes: u64,
     layouts: ModelLayouts,
-    /// For single-sided and double-sided materials; created again when the sample count changes.
-    pipelines: Option<[wgpu::RenderPipeline; 2]>,
+    pipelines: ModelPipelines,
     models: Vec<GpuModel>,
     craft: Vec<ModelledCraft>,
+    /// Of the picture that was prepared last, parts that are laid over what is behind them, the farthest first: a craft and one of its
+    /// parts, and the distance, metres.
+    blended: Vec<(usize, usize, f64)>,
+    start: Epoch,
     ellipsoid: Ellipsoid,
     orientation: Option<EarthOrientation>,
     albedo: Option<(Arc<NeighbourhoodAlbedo>, Vec<Vec4>)>,
@@ -53,12 +57,39 @@ struct ModelledCraft {
     least_length_px: f64,
     length_m: f64,
     radius_m: f64,
-    frame: wgpu::Buffer,
-    bind_group: wgpu::BindGroup,
+    joints: TurnedJoints,
+    /// Of what stands still in the model, and of each joint.
+    frames: Vec<CraftFrame>,
     is_shown: bool,
 }
 
-/// Light on a spacecraft.
+/// What the shader gets of a craft, or of what turns with a joint of it.
+struct CraftFrame {
+    numbers: wgpu::Buffer,
+    bind_group: wgpu::BindGroup,
+}
+
+impl CraftFrame {
+    fn new(gpu: &GpuContext, layouts: &ModelLayouts) -> Self {
+        let zero = ModelFrame::default();
+        let label = "terrella model craft";
+        let bytes = bytemuck::bytes_of(&zero);
+        let numbers = buffer(gpu, label, bytes, wgpu::BufferUsages::UNIFORM);
+        Self {
+            bind_group: gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some(label),
+                layout: &layouts.frame,
+                entries: &[wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: numbers.as_entire_binding(),
+                }],
+            }),
+            numbers,
+        }
+    }
+}
+
+/// What lights a craft.
 pub struct CraftLight {
     pub sun: DVec3,
     pub sunlight: f64,
@@ -76,7 +107,24 @@ pub struct Placement {
     pub scale: f64,
 }
 
-/// Rotation from a model's axes to those of its spacecraft: x along flight, y to the right, z down.
+impl Placement {
+    /// That of a part that has moved so in the axes of the model.
+    fn of_moved(&self, moved: &DAffine3) -> Self {
+        Self {
+            position_itrf_m: self.position_itrf_m
+                + self.itrf_from_model * (moved.translation * self.scale),
+            itrf_from_model: self.itrf_from_model * moved.matrix3,
+            scale: self.scale,
+        }
+    }
+
+    /// Where a place of the model is, ITRF metres.
+    fn itrf_m(&self, place_m: DVec3) -> DVec3 {
+        self.position_itrf_m + self.itrf_from_model * (place_m * self.scale)
+    }
+}
+
+/// Rotation from the axes of a model to those of its craft: x along flight, y to the right, z down.
 pub fn body_from_model(axes: ModelAxes) -> DMat3 {
     match axes {
         // glTF: +Y is up, +Z forward, −X to the right (specification, section 3.4).
@@ -93,31 +141,14 @@ impl ModelLayer {
         if models.models().is_empty() {
             return Ok(None);
         }
-        let format = earth.format();
-        let text = shader(format)?;
-        let shader_bytes = text.text.len() as u64;
         let layouts = ModelLayouts::new(&gpu.device);
         let satellites = scene.orbits.iter().zip(flight.satellites()).enumerate();
         let craft = satellites.filter_map(|(index, (orbit, satellite))| {
             let wanted = orbit.craft.model.as_ref()?;
             let model = models.of_satellite(index)?;
             let shape = models.models().get(model)?;
-            let zero = ModelFrame::default();
-            let bytes = bytemuck::bytes_of(&zero);
-            let frame = buffer(
-                gpu,
-                "terrella model craft",
-                bytes,
-                wgpu::BufferUsages::UNIFORM,
-            );
-            let bind_group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("terrella model craft"),
-                layout: &layouts.frame,
-                entries: &[wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: frame.as_entire_binding(),
-                }],
-            });
+            let joints = shape.joints.iter().zip(&wanted.articulations);
+            let frames = 0..=shape.joints.len();
             Some(ModelledCraft {
                 feed: satellite.shared_feed(),
                 is_followed: index == flight.followed(),
@@ -128,24 +159,29 @@ impl ModelLayer {
                 least_length_px: wanted.least_length_px,
                 length_m: f64::from(shape.length_m()),
                 radius_m: f64::from(shape.radius_m()),
-                frame,
-                bind_group,
+                joints: TurnedJoints::new(
+                    joints
+                        .map(|(joint, turned)| TurnedJoint::new(joint, turned))
+                        .collect(),
+                ),
+                frames: frames.map(|_| CraftFrame::new(gpu, &layouts)).collect(),
                 is_shown: false,
             })
         });
+        let craft = craft.collect();
         let models = models.models().iter();
+        let models: Vec<_> = models
+            .map(|model| GpuModel::new(gpu, &layouts, model))
+            .collect();
+        let variants = models.iter().flat_map(GpuModel::parts);
+        let variants = variants.flat_map(|part| part.variants.iter().copied());
         Ok(Some(Self {
-            craft: craft.collect(),
-            models: models
-                .map(|model| GpuModel::new(gpu, &layouts, model))
-                .collect(),
-            shader: text
-                .compile(&gpu.device, "terrella model")
-                .map_err(EarthError::from)?,
-            shader_bytes,
-            format,
+            pipelines: ModelPipelines::new(gpu, earth.format(), variants)?,
+            craft,
+            models,
             layouts,
-            pipelines: None,
+            blended: Vec::new(),
+            start: scene.time.start,
             ellipsoid: *flight.ellipsoid(),
             orientation: flight.earth_orientation().cloned(),
             albedo: None,
@@ -155,15 +191,12 @@ impl ModelLayer {
 
     /// Follows the pass to another sample count.
     pub fn set_samples(&mut self, samples: u32) {
-        if samples != self.format.samples {
-            self.format.samples = samples;
-            self.pipelines = None;
-        }
+        self.pipelines.set_samples(samples);
     }
 
     /// Bytes of the WGSL that the driver got.
     pub fn shader_bytes(&self) -> u64 {
-        self.shader_bytes
+        self.pipelines.shader_bytes()
     }
 
     /// Whether the followed spacecraft has a model.
@@ -195,7 +228,9 @@ impl ModelLayer {
             true => stats.night_gain,
             false => 0.0,
         };
-        for craft in &mut self.craft {
+        let elapsed_s = (moment.epoch - self.start).to_seconds();
+        self.blended.clear();
+        for (index, craft) in self.craft.iter_mut().enumerate() {
             let known = moment.craft.filter(|_| craft.is_followed);
             let pose = known.or_else(|| {
                 let state = craft.feed.state_at(moment.epoch).ok()?;
@@ -222,56 +257,83 @@ impl ModelLayer {
                 itrf_from_model: pose.itrf_from_craft * craft.body_from_model,
                 scale,
             };
-            let frame = model_frame(&placement, &light, &moment.view, exposure);
-            gpu.queue
-                .write_buffer(&craft.frame, 0, bytemuck::bytes_of(&frame));
+            let joint_moment = JointMoment {
+                elapsed_s,
+                sun: placement.itrf_from_model.transpose() * sky.sun_itrf,
+                earth: placement.itrf_from_model.transpose()
+                    * -pose.position_itrf_m.normalize_or_zero(),
+            };
+            let moved = craft.joints.moved(&joint_moment);
+            let placed = |joint: Option<usize>| match joint.and_then(|joint| moved.get(joint)) {
+                Some(moved) => placement.of_moved(moved),
+                None => placement,
+            };
+            let joints = std::iter::once(None).chain((0..moved.len()).map(Some));
+            for (frame, joint) in craft.frames.iter().zip(joints) {
+                let numbers = model_frame(&placed(joint), &light, &moment.view, exposure);
+                gpu.queue
+                    .write_buffer(&frame.numbers, 0, bytemuck::bytes_of(&numbers));
+                stats.uploaded_bytes += size_of::<ModelFrame>() as u64;
+            }
+            let Some(model) = self.models.get(craft.model) else {
+                continue;
+            };
             craft.is_shown = true;
-            let counts = self.models.get(craft.model).map(GpuModel::counts);
-            let (triangles, draw_calls) = counts.unwrap_or_default();
+            let (triangles, draw_calls) = model.counts();
             stats.triangles += triangles;
             stats.draw_calls += draw_calls;
-            stats.uploaded_bytes += size_of::<ModelFrame>() as u64;
+            for (at, part) in model.parts().iter().enumerate() {
+                for variant in &part.variants {
+                    self.pipelines.make(gpu, &self.layouts, *variant);
+                }
+                if part.is_blended() {
+                    let middle_m = part.middle_m.as_dvec3();
+                    let middle_itrf_m = placed(part.joint).itrf_m(middle_m);
+                    self.blended
+                        .push((index, at, middle_itrf_m.distance(eye_itrf_m)));
+                }
+            }
         }
-        if self.pipelines.is_none() && self.craft.iter().any(|craft| craft.is_shown) {
-            let sides = [Some(wgpu::Face::Back), None];
-            self.pipelines = Some(sides.map(|culled| self.pipeline(gpu, culled)));
-        }
+        self.blended
+            .sort_unstable_by(|(.., one_m), (.., other_m)| other_m.total_cmp(one_m));
     }
 
-    fn pipeline(&self, gpu: &GpuContext, cull_mode: Option<wgpu::Face>) -> wgpu::RenderPipeline {
-        PipelineDescription {
-            label: "terrella model",
-            bind_groups: Some(&[Some(&self.layouts.frame), Some(&self.layouts.material)]),
-            module: &self.shader,
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: size_of::<ModelVertex>() as u64,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &ATTRIBUTES,
-            })],
-            primitive: wgpu::PrimitiveState {
-                cull_mode,
-                ..Default::default()
-            },
-            format: self.format,
-            writes_depth: true,
-            blend: None,
-        }
-        .create(&gpu.device)
-    }
-
-    /// Draws them. Call it before the Earth, so that the air is behind them.
+    /// Draws them, without what is laid over what is behind it. Before the Earth, so that the air lies behind them.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
-        let Some(pipelines) = &self.pipelines else {
-            return;
-        };
         for craft in self.craft.iter().filter(|craft| craft.is_shown) {
             let Some(model) = self.models.get(craft.model) else {
                 continue;
             };
-            pass.set_bind_group(0, &craft.bind_group, &[]);
-            model.render(pass, pipelines);
+            model.bind(pass);
+            for part in model.parts().iter().filter(|part| !part.is_blended()) {
+                if let Some(frame) = craft.frames.get(frame_of(part.joint)) {
+                    pass.set_bind_group(0, &frame.bind_group, &[]);
+                    part.render(pass, |variant| self.pipelines.get(variant));
+                }
+            }
         }
     }
+
+    /// Draws what is laid over what is behind it. After the Earth and all that is beyond it.
+    pub fn render_blended(&self, pass: &mut wgpu::RenderPass<'_>) {
+        for (craft, part, _) in &self.blended {
+            let drawn = self.craft.get(*craft).and_then(|craft| {
+                let model = self.models.get(craft.model)?;
+                let part = model.parts().get(*part)?;
+                Some((model, part, craft.frames.get(frame_of(part.joint))?))
+            });
+            if let Some((model, part, frame)) = drawn {
+                model.bind(pass);
+                pass.set_bind_group(0, &frame.bind_group, &[]);
+                part.render(pass, |variant| self.pipelines.get(variant));
+            }
+        }
+    }
+}
+
+/// The place among the frames of a craft of what turns with a joint.
+fn frame_of(joint: Option<usize>) -> usize {
+    joint.map_or(0, |joint| joint + 1)
 }
 
 impl ModelledCraft {
@@ -346,12 +408,6 @@ pub fn model_frame(
 /// Whether a scene draws moonlight.
 fn has_moonlight(scene: &Scene) -> bool {
     scene.earth.light.is_some_and(|light| light.moonlight)
-}
-
-/// The shader's text for a pass.
-pub fn shader(format: PassFormat) -> Result<ShaderText, EarthError> {
-    let conditions = format.target_color().conditions();
-    Ok(ShaderText::assemble("craft_model.wgsl", &conditions)?)
 }
 
 #[cfg(test)]

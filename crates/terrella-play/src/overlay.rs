@@ -1,6 +1,7 @@
 //! egui on the window's surface.
 
 use super::egui_pass::{self, EguiTarget};
+use super::panel;
 use super::theme;
 use egui_wgpu::{Renderer, RendererOptions};
 use std::time::Duration;
@@ -12,6 +13,8 @@ pub struct Overlay {
     state: egui_winit::State,
     renderer: Renderer,
     output: Option<egui::FullOutput>,
+    /// Where the pointer is, points.
+    pointer: Option<egui::Pos2>,
 }
 
 /// Whether egui has consumed an event.
@@ -41,11 +44,17 @@ impl Overlay {
             ),
             renderer: Renderer::new(device, format, RendererOptions::default()),
             output: None,
+            pointer: None,
         }
     }
 
     /// Offers an event to egui.
     pub fn on_event(&mut self, window: &Window, event: &WindowEvent) -> EventResponse {
+        if let WindowEvent::CursorMoved { position, .. } = event {
+            let scale = self.state.egui_ctx().pixels_per_point();
+            let at_px = egui::pos2(position.x as f32, position.y as f32);
+            self.pointer = Some(at_px / scale);
+        }
         let response = self.state.on_window_event(window, event);
         EventResponse {
             consumed: response.consumed,
@@ -56,6 +65,20 @@ impl Overlay {
     /// Whether the pointer is over the panel or drags a part of it.
     pub fn wants_pointer(&self) -> bool {
         self.state.egui_ctx().egui_wants_pointer_input()
+    }
+
+    /// How much of the picture the panel covers on the left and the time line at the bottom, pixels.
+    pub fn covered_px(&self) -> [f32; 2] {
+        let context = self.state.egui_ctx();
+        panel::covered(context).map(|points| points * context.pixels_per_point())
+    }
+
+    /// Whether a press or the wheel is the panel's. The pointer may have moved there since the last layout, which egui does not know yet.
+    pub fn takes_press(&self) -> bool {
+        let context = self.state.egui_ctx();
+        let layer = self.pointer.and_then(|at| context.layer_id_at(at));
+        let is_over = layer.is_some_and(|layer| layer.order != egui::Order::Background);
+        is_over || self.wants_pointer()
     }
 
     /// Whether a line of text is being typed, to which keys belong.

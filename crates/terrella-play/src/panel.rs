@@ -7,6 +7,7 @@ use super::hand::FreeEye;
 use super::icons::{Icon, icon_button};
 use super::keys::{Action, BINDINGS, MOUSE, tooltip};
 use super::map_scale::{self, MapScale};
+use super::panel_film;
 use super::panel_layers;
 use super::picking::{Picked, ReadOut, altitude_text};
 use super::place_text::place_text;
@@ -89,13 +90,15 @@ pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec
             });
         panel_right = window.map_or(panel_right, |window| window.response.rect.right());
     }
+    let covered = [panel_right - screen.left(), bottom];
+    context.data_mut(|data| data.insert_temp(covered_id(), covered));
     let room = screen.right() - panel_right;
     let mut top = MARGIN;
     if let Some(notice) = controls.live.as_ref().and_then(|live| live.notice.as_ref()) {
         top += show_notice(context, notice, room) + MARGIN;
     }
     if let Some(read_out) = &controls.read_out {
-        show_read_out(context, read_out, top, room);
+        show_read_out(context, read_out, top, room, &mut actions);
     }
     if let Some(message) = &controls.message {
         egui::Area::new("message".into())
@@ -111,6 +114,13 @@ pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec
                 });
             });
     }
+    panel_film::show(
+        context,
+        controls,
+        &data.moment.view,
+        &data.ellipsoid,
+        &mut actions,
+    );
     if controls.help {
         show_help(context, &mut actions);
     }
@@ -118,6 +128,16 @@ pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec
         ask_to_close(context, &mut actions);
     }
     actions
+}
+
+/// How much of the picture the panel covers on the left and the time line at the bottom, points: what the last [`show`] laid out.
+pub fn covered(context: &Context) -> [f32; 2] {
+    let covered = context.data(|data| data.get_temp(covered_id()));
+    covered.unwrap_or_default()
+}
+
+fn covered_id() -> egui::Id {
+    egui::Id::new("covered by the panel")
 }
 
 /// The ground in the middle of the picture.
@@ -143,7 +163,13 @@ fn show_notice(context: &Context, notice: &str, room: f32) -> f32 {
 }
 
 /// Information about the selection, on the right, and a ring around it in the image.
-fn show_read_out(context: &Context, read_out: &ReadOut, top: f32, room: f32) {
+fn show_read_out(
+    context: &Context,
+    read_out: &ReadOut,
+    top: f32,
+    room: f32,
+    actions: &mut Vec<Action>,
+) {
     let screen = context.content_rect();
     if let Some(at) = read_out.at {
         let at = Pos2::new(
@@ -160,6 +186,11 @@ fn show_read_out(context: &Context, read_out: &ReadOut, top: f32, room: f32) {
                 ui.set_max_width((room - 4.0 * MARGIN).max(0.0));
                 ui.strong(&read_out.title);
                 rows(ui, "selection", &read_out.rows);
+                if let Some([lat_deg, lon_deg]) = read_out.passes_over_deg
+                    && ui.button("next pass over here").clicked()
+                {
+                    actions.extend([Action::Place(lat_deg, lon_deg), Action::NextPass]);
+                }
             });
         });
 }

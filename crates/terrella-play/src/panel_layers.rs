@@ -2,7 +2,7 @@
 
 use super::controls::Controls;
 use super::keys::{Action, tooltip};
-use super::switches::Layer;
+use super::switches::{Layer, MEASURED, tone_name};
 use egui::{CollapsingHeader, ComboBox, Grid, Slider, Ui};
 use terrella::{Exposure, Tone};
 
@@ -10,8 +10,6 @@ use terrella::{Exposure, Tone};
 const COLUMNS: usize = 3;
 /// Step of the exposure's slider, EV.
 const EXPOSURE_STEP_EV: f64 = 0.1;
-/// The scene's own response, which no other can be chosen in place of.
-const MEASURED: &str = "measured";
 /// In a window at least as high the switches are unfolded at first, points.
 const UNFOLDED_FROM: f32 = 600.0;
 
@@ -75,10 +73,13 @@ fn look(ui: &mut Ui, controls: &Controls, actions: &mut Vec<Action>) {
     ui.horizontal(|ui| {
         ui.label("tone curve");
         let tone = controls.switches.tone;
-        let list = ComboBox::from_id_salt("tone").selected_text(tone.map_or(MEASURED, name));
+        let list = ComboBox::from_id_salt("tone").selected_text(tone.map_or(MEASURED, tone_name));
         list.show_ui(ui, |ui| {
             for one in Tone::ALL {
-                if ui.selectable_label(Some(one) == tone, name(one)).clicked() {
+                if ui
+                    .selectable_label(Some(one) == tone, tone_name(one))
+                    .clicked()
+                {
                     actions.push(Action::Tone(one));
                 }
             }
@@ -88,16 +89,4 @@ fn look(ui: &mut Ui, controls: &Controls, actions: &mut Vec<Action>) {
             actions.push(Action::SceneLook);
         }
     });
-}
-
-/// A curve as scenes write it.
-fn name(tone: Tone) -> &'static str {
-    match tone {
-        Tone::Camera => "camera",
-        Tone::Neutral => "neutral",
-        Tone::Linear => "linear",
-        Tone::Filmic => "filmic",
-        Tone::Agx => "agx",
-        Tone::Measured(_) => MEASURED,
-    }
 }

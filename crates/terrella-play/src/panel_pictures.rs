@@ -51,6 +51,7 @@ fn window((width, height, scale): (u32, u32, f32)) -> Window {
             ("solar time", "13:05 (apparent)".to_owned()),
         ],
         at: None,
+        passes_over_deg: Some([48.2, 16.4]),
     });
     controls.clock.seek(0.3);
     controls.line.find_light(&flight, &controls.clock);

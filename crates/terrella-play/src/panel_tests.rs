@@ -255,6 +255,7 @@ fn what_is_selected_is_said_beside_the_panel() {
                 ("solar time", "23:59 (apparent)".into()),
             ],
             at: Some(glam::DVec2::splat(0.6)),
+            passes_over_deg: Some([-51.5, -179.75]),
         });
     };
     longest.assert_nothing_is_cut_off("selection", select);
@@ -277,7 +278,7 @@ fn every_layer_is_switched_by_a_click_on_its_name() {
     let file = folder.path().join("a.geojson");
     std::fs::write(&file, "{}").expect("written");
     let scene = format!(
-        "{scene}[[geojson]]\nfile = {:?}\n",
+        "{scene}[coverage]\nshow = \"gap\"\n[[geojson]]\nfile = {:?}\n",
         file.display().to_string()
     );
     let longest = Longest::of(&scene);
@@ -351,4 +352,67 @@ fn performance_is_said_under_details_alone() {
         "{said:?}"
     );
     assert_eq!(said.last(), Some(&"adapter"));
+}
+
+/// `cargo test --release -p terrella-play --features window print_panel -- --ignored --nocapture`
+#[test]
+#[ignore = "measures"]
+fn print_panel_times() {
+    let many = "[[orbit]]\nsource = \"kepler\"\nwalker = \"53:15000/100/1\"\naltitude_km = 550\nmarker = true\n";
+    let satellites = many.to_owned() + &many.replace("550", "1150");
+    for (what, scene) in [("one satellite", ""), ("30000 satellites", &*satellites)] {
+        let longest = Longest::of(scene);
+        let mut controls = Controls::new(&longest.flight);
+        controls.panel = true;
+        let moment = {
+            let request = controls.request(1.0);
+            longest.flight.view_at(controls.clock.now(), &request)
+        };
+        let moment = moment.expect("a view");
+        let data = PanelData {
+            satellite: Some("ISS (ZARYA)"),
+            moment: &moment,
+            ellipsoid: *longest.flight.ellipsoid(),
+            stats: FrameStats::default(),
+            has_tiles: false,
+            adaptive: None,
+            interval_ms: Some(16.6),
+            work_ms: 4.0,
+            adapter: "adapter",
+        };
+        for size in [SMALLEST, LARGE] {
+            let context = Context::default();
+            crate::theme::apply(&context);
+            let mut times: Vec<f64> = Vec::new();
+            for frame in 0..220 {
+                // The clock goes on, and the pointer moves over the panel.
+                controls.clock.advance(1.0 / 60.0);
+                let pos = egui::Pos2::new(30.0 + (frame % 40) as f32, 60.0 + (frame % 90) as f32);
+                let input = RawInput {
+                    screen_rect: Some(Rect::from_min_size(egui::Pos2::ZERO, size)),
+                    events: vec![egui::Event::PointerMoved(pos)],
+                    ..RawInput::default()
+                };
+                let began = std::time::Instant::now();
+                let mut output = context.run_ui(input, |ui| {
+                    show(ui.ctx(), &controls, &data);
+                });
+                let shapes = std::mem::take(&mut output.shapes);
+                let triangles = context.tessellate(shapes, output.pixels_per_point);
+                let took = began.elapsed().as_secs_f64() * 1e3;
+                assert!(!triangles.is_empty());
+                output.textures_delta.clear();
+                if frame >= 20 {
+                    times.push(took);
+                }
+            }
+            times.sort_by(f64::total_cmp);
+            let at = |part: f64| times[(part * (times.len() - 1) as f64) as usize];
+            println!(
+                "{what}, {size}: {:.2} ms median, {:.2} ms at most of 95 %",
+                at(0.5),
+                at(0.95)
+            );
+        }
+    }
 }

@@ -8,7 +8,7 @@ use terrella::EyeView;
 use terrella::frames::{Epoch, Geodetic};
 
 /// How far from a satellite's marker a click still means it, pixels.
-const MARKER_PX: f64 = 10.0;
+pub const MARKER_PX: f64 = 10.0;
 
 /// The selection.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +28,8 @@ pub struct ReadOut {
     pub rows: Vec<(&'static str, String)>,
     /// Where it is on screen, parts of the picture's width and height; `None` where it is not to be seen.
     pub at: Option<DVec2>,
+    /// Latitude and longitude of a place that satellites can pass over, degrees.
+    pub passes_over_deg: Option<[f64; 2]>,
 }
 
 /// Where a point is on screen, parts of the picture's width and height from the upper left corner; `None` behind the eye.
@@ -50,23 +52,21 @@ fn is_hidden(view: &EyeView, globe: &Globe<'_>, point_itrf_m: DVec3) -> bool {
     met.is_some_and(|met| met.distance(eye_itrf_m) < 0.999 * away.length() - 1.0)
 }
 
-/// The object under a pixel of an image: the nearest satellite drawn close by, else the ground.
+/// What is under a pixel of a picture: the nearest of the satellites that are drawn close by, else the ground. `near` are those whose markers
+/// are there, by their places in the scene.
 pub fn pick(
     flight: &Flight,
     moment: &Moment,
     globe: &Globe<'_>,
     size_px: DVec2,
     at_px: DVec2,
+    near: &[usize],
 ) -> Option<Picked> {
     let view = &moment.view;
     let (eye_itrf_m, _) = view.to_itrf();
-    let shown = |index: usize| {
-        let orbit = flight.scene().orbits.get(index);
-        let is_craft = moment.craft.is_some() && index == flight.followed();
-        is_craft || orbit.is_some_and(|orbit| orbit.track.marker)
-    };
-    let satellites = (0..flight.satellites().len()).filter(|index| shown(*index));
-    let near = satellites.filter_map(|index| {
+    // The craft of the chase camera has no marker.
+    let craft = moment.craft.map(|_| flight.followed());
+    let near = near.iter().copied().chain(craft).filter_map(|index| {
         let position = flight.motion_of(index, moment.epoch).ok()?.position_itrf_m;
         let off_px = (on_screen(view, position)? * size_px).distance(at_px);
         let is_near = off_px <= MARKER_PX && position.distance(eye_itrf_m) > 1.0;
@@ -124,6 +124,12 @@ pub fn read_out(
     Some(ReadOut {
         title,
         rows,
+        passes_over_deg: match picked {
+            Picked::Place(place) if flight.feed().is_some() && !flight.scene().is_live() => {
+                Some([place.lat_rad, place.lon_rad].map(f64::to_degrees))
+            }
+            _ => None,
+        },
         at: at.filter(|_| !is_hidden(&moment.view, globe, point_itrf_m)),
     })
 }
@@ -186,7 +192,7 @@ mod tests {
     fn a_click_means_the_marker_close_by_and_else_the_ground() {
         let (flight, moment) = over_the_satellite(true);
         assert_eq!(flight.scene().camera.mode, CameraMode::Geodetic);
-        let pick = |at: DVec2| pick(&flight, &moment, &globe(), SIZE, at);
+        let pick = |at: DVec2| pick(&flight, &moment, &globe(), SIZE, at, &[0]);
         let middle = 0.5 * SIZE;
         assert_eq!(
             pick(middle + DVec2::new(6.0, 6.0)),
@@ -208,18 +214,21 @@ mod tests {
             view: away,
             ..moment
         };
-        assert_eq!(super::pick(&flight, &space, &globe(), SIZE, middle), None);
+        assert_eq!(
+            super::pick(&flight, &space, &globe(), SIZE, middle, &[0]),
+            None
+        );
     }
 
     #[test]
     fn a_satellite_that_is_not_drawn_or_hidden_is_not_picked() {
         let (flight, moment) = over_the_satellite(false);
-        let picked = pick(&flight, &moment, &globe(), SIZE, 0.5 * SIZE);
+        let picked = pick(&flight, &moment, &globe(), SIZE, 0.5 * SIZE, &[]);
         assert!(matches!(picked, Some(Picked::Place(_))), "{picked:?}");
         let (flight, mut moment) = over_the_satellite(true);
         let eye = -2.0 * moment.view.eye_world;
         moment.view = EyeView::itrf(eye, -eye, DVec3::Z, 0.8, SIZE.x / SIZE.y);
-        let picked = pick(&flight, &moment, &globe(), SIZE, 0.5 * SIZE);
+        let picked = pick(&flight, &moment, &globe(), SIZE, 0.5 * SIZE, &[0]);
         assert!(matches!(picked, Some(Picked::Place(_))), "{picked:?}");
         let hidden = read_out(&flight, &moment, &globe(), Picked::Satellite(0));
         assert_eq!(hidden.expect("known").at, None);
@@ -252,5 +261,60 @@ mod tests {
         assert!((minutes - 16.4).abs() < 0.2, "{minutes}");
         assert_eq!(clock_text(23.999), "00:00");
         assert_eq!(clock_text(6.5), "06:30");
+    }
+
+    /// 30 000 satellites, and a click on each of a hundred of them and a hundred on nothing: what it takes, without what the next picture does.
+    ///
+    /// `cargo test --release -p terrella-play --features window print_picking -- --ignored --nocapture`
+    #[test]
+    #[ignore = "measures"]
+    fn print_picking_times() {
+        let many = "[[orbit]]\nsource = \"kepler\"\nwalker = \"53:15000/100/1\"\naltitude_km = 550\nmarker = true\n";
+        let text = format!(
+            "[camera]\nmode = \"geodetic\"\nheight_km = 20000\n{many}{}",
+            many.replace("550", "1150")
+        );
+        let scene = Scene::from_toml(&text, Path::new("test.toml")).expect("a good scene");
+        let flight = Flight::open(scene).expect("opens");
+        assert_eq!(flight.satellites().len(), 30_000);
+        let gpu = terrella::OffscreenEarth::open_gpu(None).expect("an adapter");
+        let options = flight.uploaded_options(&gpu).expect("maps");
+        let size = (SIZE.x as u32, SIZE.y as u32);
+        let shown = terrella::internals::gpu::FrameTargets::COLOR;
+        let mut painter =
+            crate::scene_painter::ScenePainter::new(gpu, &options, shown).expect("opens");
+        painter.show_tracks(&flight).expect("tracks");
+        let epoch = flight.scene().time.start;
+        let moment = flight.at(epoch, SIZE.x / SIZE.y).expect("a moment");
+        painter.prepare(&moment, size, crate::scene_painter::Patience::Live);
+        let labels: Vec<_> = painter.markers_near([0.0, 0.0], 1e9).collect();
+        println!("{} dots in sight", labels.len());
+        assert!(labels.len() > 5_000);
+        let mut times = Vec::new();
+        let mut found = 0;
+        for step in 0..200 {
+            let on_one = (step % 2 == 0).then(|| labels[step * labels.len() / 200]);
+            let at = match on_one {
+                Some(index) => {
+                    let motion = flight.motion_of(index, epoch).expect("known");
+                    on_screen(&moment.view, motion.position_itrf_m).expect("ahead") * SIZE
+                }
+                None => DVec2::new(6.4 * step as f64, 3.6 * step as f64),
+            };
+            let began = std::time::Instant::now();
+            let near: Vec<_> =
+                (painter.markers_near(at.as_vec2().to_array(), 1.0 + MARKER_PX as f32)).collect();
+            let picked = pick(&flight, &moment, &globe(), SIZE, at, &near);
+            times.push(began.elapsed().as_secs_f64() * 1e3);
+            if let (Some(_), Some(Picked::Satellite(_))) = (on_one, picked) {
+                found += 1;
+            }
+        }
+        times.sort_by(f64::total_cmp);
+        println!(
+            "{found} of 100 found; {:.3} ms median, {:.3} ms at most",
+            times[100], times[199]
+        );
+        assert_eq!(found, 100);
     }
 }

@@ -11,10 +11,11 @@
 //! | `time.rs`, `orbit.rs`, `tracks.rs`, `stations.rs`, `layers.rs`, `camera.rs`, `earth.rs`, `sky.rs`, `output.rs` | a table each: the checked value that hosts read, and its reader |
 //! | `globe_keys.rs` | declarations of `[layers]`, `[[geojson]]` and `[[station]]` |
 //! | `geojson.rs` | reader of `[[geojson]]` |
+//! | `coverage_keys.rs`, `coverage.rs` | declarations and reader of `[coverage]` |
 //! | `camera_keys.rs` | `[[camera.keys]]` |
 //! | `caption_keys.rs`, `captions.rs` | declarations and reader of `[[caption]]` |
 //! | `sensor_keys.rs`, `sensor.rs` | declarations and reader of `[sensor]` |
-//! | `orbit_check.rs`, `craft.rs`, `many.rs`, `live.rs`, `basilisk.rs`, `burns.rs` | readers of `[orbit]`, which has the most keys |
+//! | `orbit_check.rs`, `craft.rs`, `articulations.rs`, `many.rs`, `live.rs`, `basilisk.rs`, `burns.rs` | readers of `[orbit]`, which has the most keys |
 //! | `relief.rs`, `surfaces.rs` | readers of the keys of `[earth]` that are about terrain |
 //! | `tone.rs`, `grade.rs` | readers of the keys of `[output]` that are about tone, white balance and grain |
 //! | `dated_maps.rs` | readers of the keys of `[earth]` that are about maps that change with the date |
@@ -28,6 +29,7 @@
 //! defaults), which notes in `record` what each key comes to. Once the satellites are opened, [`Scene::check_dates`] and what
 //! else `dates` and `satellites` have. `summary` prints the record and says in text what the scene comes to.
 
+mod articulations;
 mod basilisk;
 mod built_in;
 mod burns;
@@ -37,6 +39,8 @@ mod caption_keys;
 mod captions;
 mod check;
 mod choices;
+mod coverage;
+mod coverage_keys;
 mod craft;
 mod dated_maps;
 mod dates;
@@ -92,11 +96,15 @@ use record::{KeyText, Record};
 use settings::SetText;
 use text::SceneText;
 
+pub use articulations::{Articulation, ArticulationTarget, ArticulationTurn};
 pub use camera::Camera;
 pub use camera_keys::CameraKey;
 pub use captions::{CaptionContent, CaptionPart, CaptionTable, CaptionValue};
-pub use choices::{CameraMode, CameraUp, CaptionPlace, Look, OrbitSource, StorageChoice};
-pub use craft::{AttitudeName, AttitudeSource, CraftModel, CraftOptions, ModelAxes};
+pub use choices::{
+    CameraMode, CameraUp, CaptionPlace, CoverageShow, Look, OrbitSource, StorageChoice,
+};
+pub use coverage::CoverageTable;
+pub use craft::{AttitudeName, AttitudeSource, CraftModel, CraftOptions, ModelAxes, Spin};
 pub use dated_maps::{BetweenMaps, DatedLayer, DatedMaps, MapTimes};
 pub use dates::Ending;
 pub use earth::{EarthTable, PackTable};
@@ -139,6 +147,8 @@ pub struct Scene {
     pub geojson: Vec<GeojsonTable>,
     /// `[layers]`
     pub layers: LayersTable,
+    /// `[coverage]`, if a map of it is drawn.
+    pub coverage: Option<CoverageTable>,
     /// `[camera]`
     pub camera: Camera,
     /// `[sensor]`, if the scene gives one.
@@ -247,6 +257,11 @@ impl Scene {
             scene.text = Some(set.text);
         }
         Ok(scene)
+    }
+
+    /// The keys that were set in place of the file's.
+    pub fn settings(&self) -> &[Setting] {
+        &self.settings
     }
 
     /// Whether a key was set in place of the file's.

@@ -1,6 +1,9 @@
 //! What pictures of a scene hold, and the order in which it is prepared and drawn: of a window's pictures and of those without one.
 
 use super::captions::CaptionLayer;
+#[cfg(feature = "window")]
+use super::coverage_layer::CoverageLegend;
+use super::coverage_layer::coverage_legend;
 use super::craft::CraftLayer;
 use super::dated_maps::DatedMapsLayer;
 use super::egui_pass::EguiTarget;
@@ -187,6 +190,13 @@ impl ScenePainter {
         Ok(())
     }
 
+    /// The places in the scene of the satellites whose dots are seen within so many pixels of one, of the picture as it was drawn.
+    #[cfg(feature = "window")]
+    pub fn markers_near(&self, at_px: [f32; 2], within_px: f32) -> impl Iterator<Item = usize> {
+        let tracks = self.tracks.iter().filter(|tracks| tracks.is_shown());
+        tracks.flat_map(move |tracks| tracks.markers_near(at_px, within_px))
+    }
+
     /// Whether models of satellites are drawn.
     #[cfg(feature = "window")]
     pub fn has_models(&self) -> bool {
@@ -217,7 +227,71 @@ impl ScenePainter {
         if let Some(layer) = &mut self.tracks {
             layer.show(scene, flight, tracks)?;
         }
+        if let Some(captions) = &mut self.captions {
+            captions.show_legend(coverage_legend(scene, flight)?);
+        }
         Ok(())
+    }
+
+    /// Shows sky, satellites and stations from now on, or hides them. All that is needed is there.
+    ///
+    /// # Errors
+    /// As [`Self::of`].
+    #[cfg(feature = "window")]
+    pub(crate) fn show_parts(
+        &mut self,
+        shows_sky: bool,
+        tracks: ShownTracks,
+    ) -> Result<(), PlayError> {
+        self.hides_sky = !shows_sky;
+        match &mut self.tracks {
+            Some(layer) => layer.show_parts(tracks),
+            None => Ok(()),
+        }
+    }
+
+    /// Has captions leave so much of the picture to the panel, on the left and at the bottom, pixels.
+    #[cfg(feature = "window")]
+    pub fn leave_to_panel(&mut self, covered_px: [f32; 2]) {
+        if let Some(captions) = &mut self.captions {
+            captions.leave_to_panel(covered_px);
+        }
+    }
+
+    /// Whether the sky is loaded.
+    #[cfg(feature = "window")]
+    pub fn has_sky(&self) -> bool {
+        self.sky.is_some()
+    }
+
+    /// Whether it has what a scene of the same flight shows of satellites.
+    #[cfg(feature = "window")]
+    pub fn has_tracks_of(&self, scene: &Scene) -> bool {
+        match &self.tracks {
+            Some(layer) => layer.has_tracks_of(scene),
+            None => scene.orbits.iter().all(|orbit| orbit.track.is_off()),
+        }
+    }
+
+    /// Draws these tracks from now on, and this legend.
+    #[cfg(feature = "window")]
+    pub(crate) fn adopt_tracks(
+        &mut self,
+        tracks: Option<TracksLayer>,
+        legend: Option<CoverageLegend>,
+    ) {
+        self.tracks = tracks;
+        if let Some(captions) = &mut self.captions {
+            captions.show_legend(legend);
+        }
+    }
+
+    /// Goes on with the exposure that another one has followed.
+    #[cfg(feature = "window")]
+    pub fn go_on_from(&mut self, before: Self) {
+        if let (Some(own), Some(adaptation)) = (&mut self.adaptation, before.adaptation) {
+            *own = adaptation;
+        }
     }
 
     /// Draws the Earth better or worse from now on. The other layers follow by [`Self::follow_quality`].
@@ -398,12 +472,15 @@ impl ScenePainter {
         self.earth.render_air(pass);
     }
 
-    /// Draws what is beyond the Earth, clouds before it, and tracks, which come last.
+    /// Draws what is beyond the Earth, clouds before it, what of models is seen through, and tracks, which come last.
     pub fn render_beyond(&self, pass: &mut wgpu::RenderPass<'_>) {
         if let Some(sky) = self.sky.as_ref().filter(|_| !self.hides_sky) {
             sky.render(pass);
         }
         self.earth.render_clouds_overhead(pass);
+        if let Some(models) = &self.models {
+            models.render_blended(pass);
+        }
         if let Some(tracks) = self.tracks.as_ref().filter(|tracks| tracks.is_shown()) {
             tracks.render(pass);
         }

@@ -95,6 +95,19 @@ impl WindowSurface {
         Ok(())
     }
 
+    /// Shows from now on what this target has, which was made for passes of the same formats.
+    pub fn adopt(&mut self, device: &wgpu::Device, target: ScaledTarget) {
+        let (drawn_size, samples) = (self.drawn_size(), target.samples());
+        self.target = target;
+        // The window may have another size by now.
+        self.set_target(device, drawn_size, samples);
+    }
+
+    /// What is drawn to.
+    pub fn target(&self) -> &ScaledTarget {
+        &self.target
+    }
+
     fn set_target(&mut self, device: &wgpu::Device, drawn_size: (u32, u32), samples: u32) {
         let set = self.target.set(device, self.size(), drawn_size, samples);
         if let Err(error) = set {
@@ -148,25 +161,6 @@ impl WindowSurface {
             format: Some(self.format),
             ..Default::default()
         })
-    }
-
-    /// Begins the Earth's pass on a view: black space, depth infinitely far.
-    pub fn begin_pass<'e>(
-        &self,
-        encoder: &'e mut wgpu::CommandEncoder,
-        view: &wgpu::TextureView,
-    ) -> wgpu::RenderPass<'e> {
-        self.target.begin_pass(encoder, view)
-    }
-
-    /// Has what is shown from now on have the grain of a frame of a film.
-    pub fn set_frame(&self, queue: &wgpu::Queue, frame: u32) {
-        self.target.set_frame(queue, frame);
-    }
-
-    /// Draws the image of that pass over the whole view.
-    pub fn finish(&self, encoder: &mut wgpu::CommandEncoder, view: &wgpu::TextureView) {
-        self.target.finish(encoder, view, None);
     }
 
     /// A texture like the surface's that can be read: not every surface can.

@@ -3,14 +3,39 @@
 use super::error::PlayError;
 use super::map_lines::dropped_lines;
 use super::maps::dropped_layers;
-use crate::scene::{Orbit, Scene, ToneTable, Track};
+use super::place_text::place_text;
+use crate::scene::{Orbit, Scene, StationTable, ToneTable, Track};
 use std::path::Path;
+use terrella::frames::Geodetic;
 use terrella::{Exposure, Quality, QualityReduction, Tone};
 use terrella_imagery::tile::MapLayer;
 
 /// All layers that are off in most scenes, with their default style.
 const USUAL: &str = "[tracks]\ntrail = true\nground_track = true\nmarker = true\n\
                      [layers]\ngraticule = true\ncoast_lines = true\nborders = true\nterminator = true\nmoon_shadow = true\nplace_names = true\n";
+
+/// The scene's own response, which no other can be chosen in place of.
+pub const MEASURED: &str = "measured";
+
+/// A curve as scenes write it.
+pub fn tone_name(tone: Tone) -> &'static str {
+    match tone {
+        Tone::Camera => "camera",
+        Tone::Neutral => "neutral",
+        Tone::Linear => "linear",
+        Tone::Filmic => "filmic",
+        Tone::Agx => "agx",
+        Tone::Measured(_) => MEASURED,
+    }
+}
+
+/// The place that passes are over, which is drawn as a station.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Site {
+    pub place: Geodetic,
+    /// Degrees.
+    pub min_elevation_deg: f64,
+}
 
 /// A layer that is switched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,11 +58,13 @@ pub enum Layer {
     Stations,
     /// Files of GeoJSON.
     Files,
+    /// The map of coverage.
+    Coverage,
 }
 
 impl Layer {
     /// All of them, in the panel's order.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Clouds,
         Self::CityLights,
         Self::Atmosphere,
@@ -51,6 +78,7 @@ impl Layer {
         Self::Tracks,
         Self::Stations,
         Self::Files,
+        Self::Coverage,
     ];
 
     /// Its name in the panel.
@@ -69,6 +97,7 @@ impl Layer {
             Self::Tracks => "tracks",
             Self::Stations => "stations",
             Self::Files => "GeoJSON",
+            Self::Coverage => "coverage",
         }
     }
 
@@ -93,6 +122,8 @@ pub struct Switches {
     /// `None` is the scene's.
     pub exposure: Option<Exposure>,
     pub tone: Option<Tone>,
+    /// Drawn besides the scene's stations.
+    pub site: Option<Site>,
 }
 
 impl Switches {
@@ -116,12 +147,14 @@ impl Switches {
             Layer::Tracks => scene.orbits.iter().any(has_tracks),
             Layer::Stations => !scene.stations.is_empty(),
             Layer::Files => !scene.geojson.is_empty(),
+            Layer::Coverage => scene.coverage.is_some(),
         });
         let is_offered = Layer::ALL.map(|layer| match layer {
             Layer::CityLights => !earth.is_paper(),
             Layer::Tracks => has_satellites,
             Layer::Stations => !scene.stations.is_empty(),
             Layer::Files => !scene.geojson.is_empty(),
+            Layer::Coverage => scene.coverage.is_some(),
             _ => true,
         });
         Self {
@@ -132,7 +165,18 @@ impl Switches {
                 ToneTable::Named(tone) => Some(tone),
                 ToneTable::Measured { .. } => None,
             },
+            site: None,
         }
+    }
+
+    /// The same with this place of passes.
+    pub fn at(self, site: Option<Site>) -> Self {
+        Self { site, ..self }
+    }
+
+    /// The same with this exposure.
+    pub fn exposed(self, exposure: Option<Exposure>) -> Self {
+        Self { exposure, ..self }
     }
 
     pub fn is_on(&self, layer: Layer) -> bool {
@@ -210,6 +254,18 @@ impl Switches {
         if !self.is_on(Layer::Files) {
             scene.geojson.clear();
         }
+        if let Some(site) = &self.site {
+            let is_own = |one: &StationTable| one.place == site.place;
+            if !scene.stations.iter().any(is_own) {
+                scene.stations.push(StationTable {
+                    name: place_text(site.place.lat_rad, site.place.lon_rad),
+                    place: site.place,
+                    min_elevation_deg: site.min_elevation_deg,
+                    color: None,
+                });
+            }
+        }
+        scene.coverage = scene.coverage.filter(|_| self.is_on(Layer::Coverage));
         scene.earth.clouds |= self.is_on(Layer::Clouds);
         scene.earth.night_lights |= self.is_on(Layer::CityLights);
         if let Some(tone) = self.tone {
@@ -326,6 +382,27 @@ mod tests {
         assert_eq!(
             switches.scene(&base).expect("as before").layers,
             base.layers
+        );
+    }
+
+    #[test]
+    fn the_place_of_passes_is_a_station_where_the_scene_has_none() {
+        let own = "[[station]]\nname = \"A\"\nlat_deg = 1\nlon_deg = 2\n";
+        let base = scene(own);
+        let mut switches = Switches::of(&base);
+        let site = |place| Site {
+            place,
+            min_elevation_deg: 12.5,
+        };
+        switches.site = Some(site(Geodetic::from_degrees(48.2, 16.4, 0.0)));
+        let stations = switches.scene(&base).expect("no files").stations;
+        assert_eq!(stations.len(), 2);
+        assert_eq!(stations[1].name, "48.200° N, 16.400° E");
+        assert_eq!(stations[1].min_elevation_deg, 12.5);
+        switches.site = Some(site(base.stations[0].place));
+        assert_eq!(
+            switches.scene(&base).expect("no files").stations,
+            base.stations
         );
     }
 

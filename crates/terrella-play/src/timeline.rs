@@ -39,6 +39,9 @@ const REAL_TIME_MAX_FRACTION: f64 = 0.75;
 /// Fraction of a span before the pass that it is moved to.
 const PASS_LEAD_FRACTION: f64 = 0.05;
 
+/// Least time in which a pass that was looked for is played, seconds.
+const PASS_PLAYBACK_S: f64 = 20.0;
+
 /// The satellite that cameras fly with, and when it is known.
 #[derive(Clone, Copy, Debug)]
 pub struct Coverage<'f> {
@@ -319,7 +322,8 @@ impl TimeLine {
                     clock.set_span(begin, (begin + length).min(coverage.last));
                 }
                 clock.seek_to(pass.begin);
-                pass_text(name, &place, &pass)
+                play_pass(clock, &pass);
+                format!("{}. Space plays it", pass_text(name, &place, &pass))
             }
             Upcoming::AlwaysAbove => {
                 format!("{name} always stands more than {min_elevation_deg}° above {place}")
@@ -340,6 +344,22 @@ impl TimeLine {
             Upcoming::Failed(message) => message,
         })
     }
+}
+
+/// Has the clock stand at the beginning of a pass, and play it alone, slowly enough to be watched.
+fn play_pass(clock: &mut Clock, pass: &Pass) {
+    let (first, _) = clock.span();
+    let part = |epoch: Epoch| (epoch - first).to_seconds() / clock.duration_s();
+    let (from, to) = (part(pass.begin), part(pass.end));
+    clock.clear_range();
+    clock.set_range_start(from);
+    clock.set_range_end(to);
+    let length_s = (pass.end - pass.begin).to_seconds();
+    let slowest = (length_s / PASS_PLAYBACK_S).floor().max(1.0);
+    if clock.speed().abs() > slowest {
+        clock.set_rate(slowest);
+    }
+    clock.set_paused(true);
 }
 
 /// Centres a span of the same length on a time, within the satellite's validity.

@@ -36,6 +36,8 @@ pub struct TracksLayer {
     swarm: Swarm,
     /// Whether the name of each is written; empty if all are.
     is_named: Vec<bool>,
+    /// The place of each in the scene; none where a simulation says what there is.
+    scene_places: Vec<usize>,
     orientation: Option<EarthOrientation>,
     /// Made for the first name.
     labels: Option<Labels>,
@@ -88,6 +90,7 @@ impl TracksLayer {
             || scene.layers.is_on()
             || !scene.stations.is_empty()
             || !scene.geojson.is_empty()
+            || scene.coverage.is_some()
     }
 
     /// Bytes of the WGSL that the driver got.
@@ -128,7 +131,8 @@ impl TracksLayer {
         Self::with_options(flight.scene(), flight, gpu, &options, shown)
     }
 
-    fn with_options(
+    /// The layer of a scene with the same flight for the pass of these options.
+    pub(crate) fn with_options(
         scene: &Scene,
         flight: &Flight,
         gpu: &GpuContext,
@@ -145,6 +149,7 @@ impl TracksLayer {
                 tracks,
                 swarm: Swarm::default(),
                 is_named: Vec::new(),
+                scene_places: Vec::new(),
                 orientation: flight.earth_orientation().cloned(),
                 labels: None,
                 format: shown,
@@ -161,6 +166,7 @@ impl TracksLayer {
         let is_crowded = scene.orbits.len() > MAX_NAMED;
         let drawn = scene.orbits.iter().zip(flight.satellites()).enumerate();
         let mut is_named = Vec::new();
+        let mut scene_places = Vec::new();
         let mut followed = 0;
         // Stations look for satellites of which nothing else is drawn, too.
         let is_drawn = |orbit: &Orbit| !orbit.track.is_off() || !stations.is_empty();
@@ -171,6 +177,7 @@ impl TracksLayer {
                 if is_followed {
                     followed = is_named.len();
                 }
+                scene_places.push(index);
                 is_named.push(!is_crowded || orbit.all.is_none() || is_followed);
                 let is_point = is_crowded && orbit.all.is_some() && !is_followed;
                 let width_px = width_px * if is_point { CROWD_WIDTH } else { 1.0 };
@@ -182,6 +189,7 @@ impl TracksLayer {
             && !scene.layers.is_on()
             && stations.is_empty()
             && flight.scene().geojson.is_empty()
+            && flight.scene().coverage.is_none()
         {
             return Ok(None);
         }
@@ -192,6 +200,7 @@ impl TracksLayer {
             tracks,
             swarm: Swarm::of(feeds),
             is_named,
+            scene_places,
             orientation: flight.earth_orientation().cloned(),
             labels: None,
             format: shown,
@@ -224,6 +233,14 @@ impl TracksLayer {
         let still = Still::of(scene, flight)?;
         still.show(&mut self.tracks)?;
         self.still = still;
+        self.show_parts(shown)
+    }
+
+    /// Draws satellites and stations from the next picture on, or hides them. All that is needed is there.
+    ///
+    /// # Errors
+    /// As [`Self::of`].
+    pub(crate) fn show_parts(&mut self, shown: ShownTracks) -> Result<(), PlayError> {
         self.shown = shown;
         self.tracks.hide_satellites(!shown.satellites);
         let stations = shown_stations(&self.stations, shown);
@@ -297,7 +314,22 @@ impl TracksLayer {
         own
     }
 
-    /// Whether all curves have their full length.
+    /// The places in the scene of the satellites whose dots are seen within so many pixels of one in the picture prepared last. They were
+    /// projected when it was: nothing is propagated again.
+    pub(crate) fn markers_near(
+        &self,
+        at_px: [f32; 2],
+        within_px: f32,
+    ) -> impl Iterator<Item = usize> {
+        let labels = self.tracks.labels().iter().filter(move |label| {
+            let [x, y] = [0, 1].map(|axis| label.at_px[axis] - at_px[axis]);
+            x * x + y * y <= within_px * within_px
+        });
+        let places = labels.map(|label| self.scene_places.get(label.satellite));
+        places.flatten().copied()
+    }
+
+    /// Whether all curves are as long as they will be.
     pub fn is_complete(&self) -> bool {
         self.is_complete
     }

@@ -1,21 +1,27 @@
 //! The window: winit's events in, pictures out.
 
+mod filming;
 mod pointing;
+mod switching;
 
 use super::basilisk::with_camera_service;
 use super::controls::{Controls, WindowTask};
+use super::coverage_layer::{CoverageWork, compute_behind};
 use super::error::{PlayError, WindowError};
 use super::flight::Flight;
 use super::keys::{Action, action_of};
+use super::picture_change::PictureMaker;
 use super::pointer::Pointer;
 use super::progress::Progress;
 use super::shader_watch::ShaderWatch;
 use super::simulator_time::SimulatorTime;
 use super::timeline::{Coverage, PassSearch};
 use super::window_renderer::{Presented, WindowRenderer};
+use filming::Filming;
 use glam::DVec2;
 use hifitime::Unit;
 use std::path::PathBuf;
+use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 use terrella::EyeView;
 use terrella::frames::Epoch;
@@ -35,8 +41,11 @@ const PIXELS_PER_NOTCH: f64 = 50.0;
 const ZOOM_PER_NOTCH: f64 = 0.25;
 /// How far ahead tiles are read for, seconds of the user's time.
 const EXPECTED_S: [f64; 3] = [0.5, 1.5, 4.0];
-/// How long a message stays.
-const MESSAGE_TIME: Duration = Duration::from_secs(4);
+/// How long a message stays, and for each of its characters.
+const MESSAGE_TIME: Duration = Duration::from_secs(3);
+const READING_TIME: Duration = Duration::from_millis(70);
+/// The first message.
+const WELCOME: &str = "drag turns the globe, the wheel approaches it, H lists all keys";
 /// Time after which a window without activity checks whether the program must end.
 const LOOK_FOR_END: Duration = Duration::from_millis(250);
 
@@ -49,6 +58,8 @@ pub struct WindowRequest<'r> {
     pub size: Option<(u32, u32)>,
     /// Closes the window by itself after this many seconds.
     pub for_seconds: Option<f64>,
+    /// The program that makes films, by its command `play`; `None` makes none.
+    pub program: Option<PathBuf>,
 }
 
 /// Opens a window and plays the flight in it until it is closed. Call it on the main thread, once in a program.
@@ -77,10 +88,26 @@ fn run_window(
         let wake = move || {
             let _ = proxy.send_event(());
         };
+        let (wake_for_coverage, wake_for_pictures) = (wake.clone(), wake.clone());
         let pass_search = PassSearch::start(scope, flight, wake).map_err(WindowError::NoPasses)?;
+        let pictures = PictureMaker::start(scope, flight, wake_for_pictures);
+        let pictures = pictures.map_err(WindowError::NoPictures)?;
+        let (found, coverage_done) = std::sync::mpsc::channel();
+        let coverage_work = compute_behind(scope, flight, move |failure| {
+            // The window may be closed by now.
+            let _ = found.send(failure);
+            wake_for_coverage();
+        });
+        let coverage_work = coverage_work.map_err(WindowError::NoCoverage)?;
+        let mut controls = Controls::new(flight);
+        controls.makes_films = request.program.is_some();
         let mut app = App {
             pass_search,
-            controls: Controls::new(flight),
+            pictures,
+            filming: None,
+            coverage_done,
+            _coverage_work: coverage_work,
+            controls,
             live: SimulatorTime::of(flight),
             flight,
             request,
@@ -123,6 +150,13 @@ struct App<'a> {
     /// Present if a simulator controls the time.
     live: Option<SimulatorTime<'a>>,
     pass_search: PassSearch,
+    /// Makes pictures of other layers and tone curves.
+    pictures: PictureMaker,
+    /// The film that is being made.
+    filming: Option<Filming>,
+    /// The map of coverage is there, or what went wrong.
+    coverage_done: Receiver<Option<PlayError>>,
+    _coverage_work: Option<CoverageWork>,
     request: &'a WindowRequest<'a>,
     controls: Controls,
     progress: &'a dyn Progress,
@@ -169,13 +203,14 @@ impl ApplicationHandler for App<'_> {
                 let time = self.request.for_seconds;
                 let time = time.and_then(|time| Duration::try_from_secs_f64(time).ok());
                 self.closes_at = time.and_then(|time| Instant::now().checked_add(time));
+                self.show_message(WELCOME.to_owned());
                 self.redraw();
             }
             Err(error) => self.fail(event_loop, error),
         }
     }
 
-    /// The search has a result.
+    /// The search has an answer, or the map of coverage or a picture is there.
     fn user_event(&mut self, _event_loop: &ActiveEventLoop, (): ()) {
         while let Some(answer) = self.pass_search.answer() {
             let coverage = self.coverage();
@@ -184,6 +219,10 @@ impl ApplicationHandler for App<'_> {
                 self.show_message(message);
             }
         }
+        while let Ok(failure) = self.coverage_done.try_recv() {
+            self.show_coverage(failure);
+        }
+        self.take_picture();
         self.redraw();
     }
 
@@ -268,6 +307,7 @@ impl ApplicationHandler for App<'_> {
             (self.message_ends, self.controls.message) = (None, None);
             self.redraw();
         }
+        self.look_for_film();
         if self.shader_watch.has_changed(now) {
             self.reload_shaders();
         }
@@ -318,8 +358,10 @@ impl<'a> App<'a> {
     }
 
     fn show_message(&mut self, message: String) {
+        // As long as it takes to read.
+        let time = MESSAGE_TIME + READING_TIME * message.chars().count() as u32;
+        self.message_ends = Some(Instant::now() + time);
         self.controls.message = Some(message);
-        self.message_ends = Some(Instant::now() + MESSAGE_TIME);
     }
 
     /// Draws with shaders that have changed on disk, and reports it, or why not.
@@ -362,12 +404,7 @@ impl<'a> App<'a> {
         let before = self.controls.switches;
         match self.controls.apply(action, height_px) {
             None if self.controls.switches == before => {}
-            None => {
-                if let Err(error) = renderer.switch(self.flight, &self.controls.switches) {
-                    self.controls.switches = before;
-                    self.show_message(error.to_string());
-                }
-            }
+            None => self.switch(before),
             Some(WindowTask::Quit) => event_loop.exit(),
             Some(WindowTask::NorthUp) => self.turn_north_up(),
             Some(WindowTask::Follow(index)) => self.follow_now(index),
@@ -399,6 +436,7 @@ impl<'a> App<'a> {
                     Err(message) => self.show_message(message),
                 }
             }
+            Some(WindowTask::MakeFilm) => self.make_film(),
             Some(WindowTask::FullScreen) => {
                 let window = renderer.window();
                 let next = match window.fullscreen() {

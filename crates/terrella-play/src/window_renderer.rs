@@ -1,5 +1,7 @@
 //! The renderer of the window: surface, scene and panel.
 
+mod switching;
+
 use super::controls::Controls;
 use super::egui_pass::EguiTarget;
 use super::error::{PlayError, WindowError};
@@ -10,13 +12,15 @@ use super::offscreen::rgba_image;
 use super::output::PendingFile;
 use super::overlay::{EventResponse, Overlay};
 use super::panel::{self, PanelData};
+use super::picking::MARKER_PX;
+use super::picture_change::{TargetView, shown_tracks};
 use super::progress::Progress;
 use super::quality_control::{QualityControl, scene_quality};
-use super::scene_painter::{Patience, PictureTarget, ScenePainter};
+use super::scene_painter::{Patience, ScenePainter};
 use super::surface::WindowSurface;
 use super::switches::{Layer, Switches};
-use super::tracks::ShownTracks;
 use crate::scene::{EDGE_SAMPLES, Scene};
+use glam::DVec2;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -29,6 +33,8 @@ use winit::dpi::PhysicalSize;
 use winit::event::WindowEvent;
 use winit::event_loop::ActiveEventLoop;
 use winit::window::Window;
+
+pub use switching::Switching;
 
 /// Weight of the newest frame in the times that the panel shows.
 const SMOOTHING: f64 = 0.1;
@@ -68,38 +74,6 @@ struct SamplesByView {
 struct TimedQuality {
     control: QualityControl,
     costs: FrameCosts,
-}
-
-/// A texture of the window, or one like it.
-struct SurfaceView<'a> {
-    surface: &'a WindowSurface,
-    view: &'a wgpu::TextureView,
-}
-
-impl PictureTarget for SurfaceView<'_> {
-    fn size(&self) -> (u32, u32) {
-        self.surface.size()
-    }
-
-    fn drawn_size(&self) -> (u32, u32) {
-        self.surface.drawn_size()
-    }
-
-    fn begin_pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
-        self.surface.begin_pass(encoder, self.view)
-    }
-
-    fn set_frame(&self, queue: &wgpu::Queue, frame: u32) {
-        self.surface.set_frame(queue, frame);
-    }
-
-    fn finish(&self, encoder: &mut wgpu::CommandEncoder) {
-        self.surface.finish(encoder, self.view);
-    }
-
-    fn view(&self) -> &wgpu::TextureView {
-        self.view
-    }
 }
 
 /// Whether a frame reached the screen.
@@ -197,32 +171,6 @@ impl WindowRenderer {
         self.show(flight, &scene, self.switches)
     }
 
-    /// Uses these layers, this exposure and this tone curve from now on. Missing parts are loaded or created in the call.
-    ///
-    /// # Errors
-    /// A layer whose file is missing, or that cannot be drawn. Everything is then unchanged.
-    pub fn switch(&mut self, flight: &Flight, switches: &Switches) -> Result<(), PlayError> {
-        let scene = switches.scene(flight.scene())?;
-        let needs_maps = switches.needs_maps(flight.scene(), &self.full);
-        let tone = scene.output.tone.open()?;
-        if needs_maps || tone != self.options.tone {
-            let options = match needs_maps {
-                true => {
-                    let gpu = self.painter.gpu();
-                    let mut options = flight.uploaded_options_of(&scene, gpu)?;
-                    options.develop_after_pass(self.surface.format());
-                    options
-                }
-                false => EarthOptions {
-                    tone,
-                    ..self.options.clone()
-                },
-            };
-            self.make_again(flight, &scene, options)?;
-        }
-        self.show(flight, &scene, *switches)
-    }
-
     /// Makes all that is drawn again with these options.
     fn make_again(
         &mut self,
@@ -254,10 +202,7 @@ impl WindowRenderer {
         scene: &Scene,
         switches: Switches,
     ) -> Result<(), PlayError> {
-        let tracks = ShownTracks {
-            satellites: switches.is_on(Layer::Tracks),
-            stations: switches.is_on(Layer::Stations),
-        };
+        let tracks = shown_tracks(&switches);
         let sky = switches.is_on(Layer::Sky);
         self.painter.show_layers(scene, flight, sky, tracks)?;
         self.painter
@@ -321,6 +266,17 @@ impl WindowRenderer {
         self.painter.prefetch(views);
     }
 
+    /// The places in the scene of the satellites whose dots a click on a pixel of the window can mean.
+    pub fn markers_near(&self, at_px: DVec2) -> Vec<usize> {
+        let (shown, drawn) = (self.surface.size(), self.surface.drawn_size());
+        let smaller = |drawn: u32, shown: u32| f64::from(drawn) / f64::from(shown.max(1));
+        let scale = DVec2::new(smaller(drawn.0, shown.0), smaller(drawn.1, shown.1));
+        let at_px = (at_px * scale).as_vec2().to_array();
+        // A pixel more for rounding; the click is compared with exact places then.
+        let within_px = (MARKER_PX + 1.0) * scale.max_element();
+        self.painter.markers_near(at_px, within_px as f32).collect()
+    }
+
     /// The moment that was drawn last.
     pub fn last_moment(&self) -> Option<Moment> {
         self.last.map(|(moment, _)| moment)
@@ -347,7 +303,7 @@ impl WindowRenderer {
             WindowEvent::MouseInput { .. } | WindowEvent::MouseWheel { .. }
         );
         EventResponse {
-            consumed: response.consumed || (is_pointer && self.overlay.wants_pointer()),
+            consumed: response.consumed || (is_pointer && self.overlay.takes_press()),
             ..response
         }
     }
@@ -392,7 +348,7 @@ impl WindowRenderer {
         self.follow_light(moment, interval);
         let view = self.surface.view_of(&frame.texture);
         let mut encoder = self.encoder();
-        let stats = self.draw_scene(moment, &mut encoder, &view);
+        let stats = self.draw_scene(moment, &mut encoder, &view, false);
         let (delay, actions) = self.lay_out_panel(moment, controls, stats);
         let panel = self.overlay.draw(EguiTarget {
             device: &self.painter.gpu().device,
@@ -428,7 +384,7 @@ impl WindowRenderer {
         let texture = self.surface.capture_texture(&self.painter.gpu().device);
         let view = self.surface.view_of(&texture);
         let mut encoder = self.encoder();
-        self.draw_scene(&moment, &mut encoder, &view);
+        self.draw_scene(&moment, &mut encoder, &view, true);
         self.painter.gpu().queue.submit([encoder.finish()]);
         let texels = read_texture(
             &self.painter.gpu().device,
@@ -500,11 +456,18 @@ impl WindowRenderer {
         moment: &Moment,
         encoder: &mut wgpu::CommandEncoder,
         view: &wgpu::TextureView,
+        is_screenshot: bool,
     ) -> FrameStats {
+        let covered_px = match is_screenshot {
+            true => [0.0; 2],
+            false => self.overlay.covered_px(),
+        };
+        self.painter.leave_to_panel(covered_px);
         let drawn_size = self.surface.drawn_size();
         let (stats, _) = self.painter.prepare(moment, drawn_size, Patience::Live);
         let surface = &self.surface;
-        self.painter.paint(encoder, &SurfaceView { surface, view });
+        let target = surface.target();
+        self.painter.paint(encoder, &TargetView { target, view });
         stats
     }
 

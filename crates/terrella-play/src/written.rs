@@ -54,7 +54,7 @@ pub(super) fn counted(count: u64, what: &str) -> String {
 }
 
 /// Bytes, and the same in the largest unit that leaves a whole one.
-fn size_text(bytes: u64) -> String {
+pub(super) fn size_text(bytes: u64) -> String {
     let units = [(1e9, "GB"), (1e6, "MB"), (1e3, "kB")];
     let unit = units.iter().find(|(unit, _)| bytes as f64 >= *unit);
     match unit {

@@ -24,8 +24,8 @@ pub(super) struct GroundTriangle {
     pub edges: u32,
 }
 
-/// Marks corners that lie on polygon edges of other triangles.
-fn mark_corners(triangles: &mut [GroundTriangle]) {
+/// Notes which corners lie on edges of the polygon that belong to other triangles.
+pub(super) fn mark_corners(triangles: &mut [GroundTriangle]) {
     let bits = |corner: DVec3| corner.to_array().map(f64::to_bits);
     let mut at_edge = HashSet::new();
     for triangle in triangles.iter() {
@@ -107,8 +107,12 @@ impl CutPolygon {
 
 /// The longest edge for these polygons.
 pub(super) fn step_rad(polygons: &[CutPolygon]) -> f64 {
-    let twice: f64 = polygons.iter().map(|polygon| polygon.twice_area).sum();
-    // Two triangles have the area of a square with this side.
+    step_for(polygons.iter().map(|polygon| polygon.twice_area).sum())
+}
+
+/// The longest edge for polygons of twice this area of the plane.
+pub(super) fn step_for(twice: f64) -> f64 {
+    // Two triangles have the area of a square of this side.
     let step_rad = (twice / USUAL_TRIANGLES).sqrt();
     step_rad.clamp(*STEP_RAD.start(), *STEP_RAD.end())
 }
@@ -162,16 +166,18 @@ impl RingEdges {
     }
 }
 
+/// A triangle of the plane.
 #[derive(Clone, Copy)]
-struct PlaneTriangle {
-    corners: [PlanePoint; 3],
-    edges: u32,
+pub(super) struct PlaneTriangle {
+    pub corners: [PlanePoint; 3],
+    /// Bit i: the edge opposite to corner i is an edge of the polygon.
+    pub edges: u32,
 }
 
 impl PlaneTriangle {
     /// Halves the longest edge until none is longer than a step. The decision depends only on the edge's end points, so both of its triangles
     /// agree: there are no gaps.
-    fn subdivide(
+    pub fn subdivide(
         self,
         step_rad: f64,
         ellipsoid: &Ellipsoid,

@@ -8,7 +8,8 @@ use terrella::{Exposure, Grade, Tone};
 use terrella_ground::air::Atmosphere;
 use terrella_ground::globe::{Figure, LevelRule, Subdivision, Visibility};
 use terrella_play::scene::{
-    CameraKey, CameraMode, EarthTable, Look, Scene, StorageChoice, ToneTable,
+    CameraKey, CameraMode, CaptionPlace, CoverageShow, CoverageTable, EarthTable, Look, Scene,
+    StorageChoice, ToneTable,
 };
 
 #[test]
@@ -232,7 +233,9 @@ fn every_key_is_read() {
          coast_lines = true\ncoast_lines_color = \"#ffffff\"\ncoast_lines_opacity = 0.5\n\
          borders = true\nborders_color = \"#ffffff\"\nborders_opacity = 0.5\n\
          terminator = true\nterminator_color = \"#ffffff\"\nterminator_opacity = 0.5\n\
-         moon_shadow = true\nmoon_shadow_color = \"#ffffff\"\nmoon_shadow_opacity = 0.5\nplace_names = 9\nwidth_px = 2\nvector_map = \"sat.tle\"\n[lens]\nghosts = 1e-4\n",
+         moon_shadow = true\nmoon_shadow_color = \"#ffffff\"\nmoon_shadow_opacity = 0.5\nplace_names = 9\nwidth_px = 2\nvector_map = \"sat.tle\"\n\
+         [coverage]\nshow = \"count\"\nsatellites = [\"A\"]\nduration_h = 6\nmin_elevation_deg = 0\nstep_deg = 10\nregion_deg = [170, -10, -170, 10]\n\
+         opacity = 0.25\nlegend = true\nlegend_place = \"top\"\n[lens]\nghosts = 1e-4\n",
     );
     let scene = scene.expect("a good scene");
     let sky = &scene.sky;
@@ -259,6 +262,17 @@ fn every_key_is_read() {
         (scene.camera.heading_deg, scene.camera.pitch_deg),
         (-360.0, 90.0)
     );
+    let coverage = CoverageTable {
+        show: CoverageShow::Count,
+        satellites: vec!["A".to_owned()],
+        duration_h: 6.0,
+        min_elevation_deg: 0.0,
+        step_deg: 10.0,
+        region_deg: [170.0, -10.0, -170.0, 10.0],
+        opacity: 0.25,
+        legend: Some(CaptionPlace::Top),
+    };
+    assert_eq!(scene.coverage, Some(coverage));
     assert_eq!(scene.earth.relief, None);
     assert_eq!(scene.earth.figure, Figure::Sphere);
     assert_eq!(scene.earth.subdivision, Subdivision::Cells(48));

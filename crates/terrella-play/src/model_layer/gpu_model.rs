@@ -1,64 +1,14 @@
 //! A model on the GPU: its triangles, and its materials with their pictures.
 
+use super::layouts::ModelLayouts;
+use super::pipelines::ModelVariant;
 use super::textures::{Texels, upload};
 use super::uniforms::{ModelMaterial, ModelVertex};
+use glam::Vec3;
 use std::collections::HashMap;
 use std::ops::Range;
 use terrella::GpuContext;
 use terrella_model::{Material, Model, ModelImage, TextureUse, Wrap};
-
-/// Bind group layouts of the model shader: spacecraft and material.
-pub struct ModelLayouts {
-    pub frame: wgpu::BindGroupLayout,
-    pub material: wgpu::BindGroupLayout,
-}
-
-impl ModelLayouts {
-    pub fn new(device: &wgpu::Device) -> Self {
-        let entry = |binding, visibility, ty| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility,
-            ty,
-            count: None,
-        };
-        let uniform = wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Uniform,
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        };
-        let texture = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: true },
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: false,
-        };
-        let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
-        let fragment = wgpu::ShaderStages::FRAGMENT;
-        let layout = |label, entries: &[wgpu::BindGroupLayoutEntry]| {
-            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some(label),
-                entries,
-            })
-        };
-        Self {
-            frame: layout(
-                "terrella model craft",
-                &[entry(0, wgpu::ShaderStages::VERTEX_FRAGMENT, uniform)],
-            ),
-            material: layout(
-                "terrella model material",
-                &[
-                    entry(0, fragment, uniform),
-                    entry(1, fragment, texture),
-                    entry(2, fragment, sampler),
-                    entry(3, fragment, texture),
-                    entry(4, fragment, sampler),
-                    entry(5, fragment, texture),
-                    entry(6, fragment, sampler),
-                ],
-            ),
-        }
-    }
-}
 
 /// A model's buffers and bind groups.
 pub struct GpuModel {
@@ -68,10 +18,23 @@ pub struct GpuModel {
     triangles: u32,
 }
 
-struct GpuPart {
+/// Triangles that are drawn together.
+pub struct GpuPart {
     material: wgpu::BindGroup,
-    is_double_sided: bool,
+    /// What they are drawn with, one after the other.
+    pub variants: Vec<ModelVariant>,
+    /// The joint that they turn with.
+    pub joint: Option<usize>,
+    /// Middle of their vertices, metres of the model as its file places it.
+    pub middle_m: Vec3,
     indices: Range<u32>,
+}
+
+impl GpuPart {
+    /// Whether it is laid over what is behind it.
+    pub fn is_blended(&self) -> bool {
+        self.variants.iter().any(|variant| variant.blended)
+    }
 }
 
 /// Pictures and samplers that are made once.
@@ -96,7 +59,9 @@ impl GpuModel {
             let material = model.materials.get(part.material).unwrap_or(&default);
             GpuPart {
                 material: pictures.bind(layouts, material),
-                is_double_sided: material.double_sided,
+                variants: ModelVariant::of(material),
+                joint: part.joint,
+                middle_m: middle_m(model, &part.indices),
                 indices: part.indices.clone(),
             }
         });
@@ -120,26 +85,46 @@ impl GpuModel {
 
     /// Triangles and draw calls.
     pub fn counts(&self) -> (u32, u32) {
-        (self.triangles, self.parts.len() as u32)
+        let draws = self.parts.iter().map(|part| part.variants.len() as u32);
+        (self.triangles, draws.sum())
     }
 
-    /// Draws it with `one_sided` and `two_sided`; the bind group of the craft is set.
-    pub fn render(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        [one_sided, two_sided]: &[wgpu::RenderPipeline; 2],
-    ) {
+    /// Its parts, in the order of the file.
+    pub fn parts(&self) -> &[GpuPart] {
+        &self.parts
+    }
+
+    /// Sets its buffers.
+    pub fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
-        for part in &self.parts {
-            pass.set_pipeline(match part.is_double_sided {
-                true => two_sided,
-                false => one_sided,
-            });
-            pass.set_bind_group(1, &part.material, &[]);
-            pass.draw_indexed(part.indices.clone(), 0, 0..1);
+    }
+}
+
+impl GpuPart {
+    /// Draws it with each of its pipelines; the buffers of its model and the bind group of its joint are set.
+    pub fn render<'p>(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        pipeline: impl Fn(ModelVariant) -> Option<&'p wgpu::RenderPipeline>,
+    ) {
+        pass.set_bind_group(1, &self.material, &[]);
+        for pipeline in self.variants.iter().filter_map(|one| pipeline(*one)) {
+            pass.set_pipeline(pipeline);
+            pass.draw_indexed(self.indices.clone(), 0, 0..1);
         }
     }
+}
+
+/// The mean of the places of some indices.
+fn middle_m(model: &Model, indices: &Range<u32>) -> Vec3 {
+    let range = indices.start as usize..indices.end as usize;
+    let own = model.indices.get(range).unwrap_or_default();
+    let places = own
+        .iter()
+        .filter_map(|index| model.vertices.get(*index as usize));
+    let sum: Vec3 = places.map(|vertex| vertex.position_m).sum();
+    sum / own.len().max(1) as f32
 }
 
 impl Pictures<'_> {
@@ -151,12 +136,18 @@ impl Pictures<'_> {
             bytemuck::bytes_of(&ModelMaterial::from(material)),
             wgpu::BufferUsages::UNIFORM,
         );
+        let normal = material.normal_texture;
         let slots = [
             (material.base_color_texture, Texels::Color),
             (material.metallic_roughness_texture, Texels::Linear),
             (material.emissive_texture, Texels::Color),
         ];
-        let slots = slots.map(|(texture, texels)| self.texture(texture, texels));
+        let normals = normal.map(|texture| (Some(texture), Texels::Linear));
+        let slots: Vec<_> = slots
+            .into_iter()
+            .chain(normals)
+            .map(|(texture, texels)| self.texture(texture, texels))
+            .collect();
         let mut entries = vec![wgpu::BindGroupEntry {
             binding: 0,
             resource: numbers.as_entire_binding(),
@@ -173,7 +164,7 @@ impl Pictures<'_> {
         }
         gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("terrella model material"),
-            layout: &layouts.material,
+            layout: layouts.material(normal.is_some()),
             entries: &entries,
         })
     }

@@ -4,6 +4,7 @@ use super::*;
 use crate::backends::compile_for_every_backend;
 use crate::offscreen::OffscreenRenderer;
 use crate::scene::Scene;
+use pipelines::ModelShader;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 use std::fs;
@@ -15,6 +16,9 @@ use terrella::frames::Epoch;
 use terrella::internals::gpu::TargetColor;
 use uniforms::ModelMaterial;
 
+#[path = "tests_parts.rs"]
+mod parts;
+
 /// Half the side of the cube, metres.
 const HALF_M: f64 = 1.0;
 const SIZE: (u32, u32) = (96, 64);
@@ -22,6 +26,11 @@ const FOV_RAD: f64 = 0.4;
 
 /// A cube about the origin as a GLB.
 fn cube(material: Value) -> Vec<u8> {
+    let (buffer, document) = cube_parts(material);
+    glb(&document, &buffer)
+}
+
+fn cube_parts(material: Value) -> (Vec<u8>, Value) {
     let mut buffer = Vec::new();
     for corner in 0..8 {
         for axis in 0..3 {
@@ -50,7 +59,7 @@ fn cube(material: Value) -> Vec<u8> {
     let document = json!({
         "asset": {"version": "2.0"},
         "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0}],
+        "nodes": [{"name": "Cube", "mesh": 0}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
         "materials": [material],
         "accessors": [
@@ -63,6 +72,10 @@ fn cube(material: Value) -> Vec<u8> {
         ],
         "buffers": [{"byteLength": buffer.len()}],
     });
+    (buffer, document)
+}
+
+fn glb(document: &Value, buffer: &[u8]) -> Vec<u8> {
     let mut text = document.to_string().into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');
     let mut file = b"glTF".to_vec();
@@ -74,7 +87,7 @@ fn cube(material: Value) -> Vec<u8> {
     file.extend(&text);
     word(&mut file, buffer.len());
     file.extend(b"BIN\0");
-    file.extend(&buffer);
+    file.extend(buffer);
     file
 }
 
@@ -89,8 +102,13 @@ struct Seen {
 
 /// `eye_m` is where the eye is from the cube, in the axes of the craft; it looks at the middle.
 fn seen(material: Value, keys: &str, hour: u8, eye_m: DVec3) -> Seen {
+    seen_model(&cube(material), keys, hour, eye_m)
+}
+
+/// The same of the file of another model.
+fn seen_model(file: &[u8], keys: &str, hour: u8, eye_m: DVec3) -> Seen {
     let folder = tempfile::tempdir().expect("a folder");
-    fs::write(folder.path().join("cube.glb"), cube(material)).expect("writes");
+    fs::write(folder.path().join("cube.glb"), file).expect("writes");
     let text = format!(
         "[time]\nstart = \"2018-03-20T{hour:02}:00:00Z\"\nduration_s = 10\n[orbit]\nsource = \"kepler\"\nsemi_major_axis_km = 7000\n\
          model = \"cube.glb\"\n{keys}\n[camera]\nmode = \"chase\"\n[sky]\nstars = false\nsun = false\nmoon = false\n"
@@ -378,9 +396,11 @@ fn a_scene_without_models_has_no_layer() {
 
 #[test]
 fn every_backend_takes_the_shader_and_its_structs_are_ours() {
-    for target in TargetColor::all() {
-        let text = ShaderText::assemble("craft_model.wgsl", &target.conditions());
-        let module = compile_for_every_backend(&text.expect("its files are there").text);
+    let all = TargetColor::all().into_iter();
+    for (target, shader) in all.flat_map(|target| ModelShader::all().map(|shader| (target, shader)))
+    {
+        let text = shader.text(target).expect("its files are there");
+        let module = compile_for_every_backend(&text.text);
         let members = |name: &str| {
             let mut structs = module.types.iter().map(|(_, ty)| ty);
             let found = structs.find(|ty| ty.name.as_deref() == Some(name));
@@ -403,7 +423,7 @@ fn every_backend_takes_the_shader_and_its_structs_are_ours() {
         );
         assert_eq!(
             members("ModelMaterial"),
-            ours!(ModelMaterial: base_color, emissive, metallic, roughness, alpha_cutoff, padding)
+            ours!(ModelMaterial: base_color, emissive, metallic, roughness, alpha_cutoff, normal_scale, padding)
         );
     }
 }

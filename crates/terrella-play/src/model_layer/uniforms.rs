@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec2, Vec3, Vec4};
-use terrella_model::{Material, Vertex};
+use terrella_model::{AlphaMode, Material, Vertex};
 
 /// `ModelFrame` of the shader.
 #[repr(C)]
@@ -30,7 +30,8 @@ pub struct ModelMaterial {
     pub metallic: f32,
     pub roughness: f32,
     pub alpha_cutoff: f32,
-    pub padding: Vec2,
+    pub normal_scale: f32,
+    pub padding: f32,
 }
 
 impl From<&Material> for ModelMaterial {
@@ -40,8 +41,12 @@ impl From<&Material> for ModelMaterial {
             emissive: material.emissive,
             metallic: material.metallic,
             roughness: material.roughness,
-            alpha_cutoff: material.alpha_cutoff.unwrap_or(f32::MIN),
-            padding: Vec2::ZERO,
+            alpha_cutoff: match material.alpha {
+                AlphaMode::Mask(cutoff) => cutoff,
+                AlphaMode::Opaque | AlphaMode::Blend => f32::MIN,
+            },
+            normal_scale: material.normal_scale,
+            padding: 0.0,
         }
     }
 }
@@ -53,11 +58,12 @@ pub struct ModelVertex {
     pub position_m: Vec3,
     pub normal: Vec3,
     pub uv: Vec2,
+    pub tangent: Vec4,
 }
 
 /// Layout of [`ModelVertex`].
-pub const ATTRIBUTES: [wgpu::VertexAttribute; 3] =
-    wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x2];
+pub const ATTRIBUTES: [wgpu::VertexAttribute; 4] =
+    wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x2, 3 => Float32x4];
 
 impl From<&Vertex> for ModelVertex {
     fn from(vertex: &Vertex) -> Self {
@@ -65,6 +71,7 @@ impl From<&Vertex> for ModelVertex {
             position_m: vertex.position_m,
             normal: vertex.normal,
             uv: vertex.uv,
+            tangent: vertex.tangent,
         }
     }
 }

@@ -36,9 +36,10 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         // The space station, whose elements are built in.
         orbits.push(RawOrbit::default());
     }
+    let has_coverage = raw.coverage.show().is_given();
     let checked = orbits
         .iter()
-        .map(|orbit| source.orbit(orbit, &raw.tracks, time.start))
+        .map(|orbit| source.orbit(orbit, &raw.tracks, time.start, has_coverage))
         .collect::<Result<Vec<_>, _>>()?;
     source.live_together(&orbits, &checked)?;
     source.basilisk_alone(&orbits, &checked)?;
@@ -63,12 +64,13 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
             return Err(source.reject_at("camera", "keys", keys, advice));
         }
     }
-    let track_px = source.tracks(&raw.tracks, !checked.is_empty())?;
+    let track_px = source.tracks(&raw.tracks, !checked.is_empty(), has_coverage)?;
     let layers = source.layers(&raw.layers)?;
     let raw_stations = raw.station.0;
     let stations = source.stations(&raw_stations)?;
     let raw_geojson = raw.geojson.0;
     let geojson = source.geojson(&raw_geojson)?;
+    let coverage = source.coverage(&raw.coverage, &checked)?;
     let raw_captions = raw.caption.0;
     let captions = source.captions(&raw_captions, !checked.is_empty())?;
     let output = source.output(&raw.output, &camera, sensor.as_ref(), &earth, &checked)?;
@@ -77,6 +79,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         ("time", raw.time.record(source)),
         ("tracks", raw.tracks.record(source)),
         ("layers", raw.layers.record(source)),
+        ("coverage", raw.coverage.record(source)),
         ("camera", raw.camera.record(source)),
         ("sensor", raw.sensor.record(source)),
         ("earth", raw.earth.record(source)),
@@ -112,6 +115,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         stations,
         layers,
         geojson,
+        coverage,
         camera,
         sensor,
         earth,

@@ -88,6 +88,18 @@ impl OrbitSource {
     }
 }
 
+/// What a map of coverage shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CoverageShow {
+    /// How often satellites have the ground in view.
+    Count,
+    /// The mean time from the end of a view to the beginning of the next.
+    Revisit,
+    /// The longest time without a view.
+    Gap,
+}
+
 /// Where a caption stands in pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]

@@ -1,12 +1,19 @@
 //! Keys of `[orbit]` about the spacecraft itself: its model and its attitude.
 
+use super::articulations::Articulation;
 use super::error::SceneError;
 use super::field::PathKind;
 use super::orbit_keys::RawOrbit;
+use super::record::number_text;
 use super::text::SceneText;
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
+/// Why keys of a spin have no value.
+const NO_SPIN: &str = "the spacecraft does not spin";
+/// The axis of a spin where a scene gives none.
+const SPIN_AXIS: DVec3 = DVec3::Z;
 /// Why keys of a model have no value.
 const NO_MODEL: &str = "only for a model";
 
@@ -17,6 +24,17 @@ pub struct CraftOptions {
     pub model: Option<CraftModel>,
     /// How it is turned.
     pub attitude: AttitudeSource,
+    /// How it spins besides.
+    pub spin: Option<Spin>,
+}
+
+/// A spin on top of an attitude, from the scene's start on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spin {
+    /// In the axes of the spacecraft, of any length but 0.
+    pub axis: DVec3,
+    /// Counter-clockwise about it, degrees a second.
+    pub rate_deg_s: f64,
 }
 
 /// What says how a spacecraft is turned.
@@ -58,6 +76,8 @@ pub struct CraftModel {
     pub least_length_px: f64,
     /// How its axes lie in those of the craft.
     pub axes: ModelAxes,
+    /// Nodes of the model that turn.
+    pub articulations: Vec<Articulation>,
 }
 
 /// How the axes of a model lie in those of its craft: x along flight, y to the right, z down.
@@ -75,6 +95,8 @@ impl SceneText<'_> {
     /// Checks what is drawn of a spacecraft.
     pub(super) fn craft(&self, orbit: &RawOrbit) -> Result<CraftOptions, SceneError> {
         let attitude = self.attitude(orbit)?;
+        let spin = self.spin(orbit, &attitude)?;
+        let turned = orbit.articulations();
         let without = "no model: the built-in spacecraft before the chase camera";
         let file = self.path(&orbit.model(), PathKind::File, without)?;
         let (scale, length, axes) = (
@@ -88,9 +110,11 @@ impl SceneText<'_> {
             self.idle(&scale, NO_MODEL, advice("model_scale"))?;
             self.idle(&length, NO_MODEL, advice("model_length_px"))?;
             self.idle(&axes, NO_MODEL, advice("model_axes"))?;
+            self.idle(&turned, NO_MODEL, advice("articulations"))?;
             return Ok(CraftOptions {
                 model: None,
                 attitude,
+                spin,
             });
         };
         Ok(CraftOptions {
@@ -99,9 +123,51 @@ impl SceneText<'_> {
                 scale: self.quantity(&scale)?,
                 least_length_px: self.quantity(&length)?,
                 axes: self.choice(&axes)?,
+                articulations: self.articulations(&turned)?,
             }),
             attitude,
+            spin,
         })
+    }
+
+    fn spin(
+        &self,
+        orbit: &RawOrbit,
+        attitude: &AttitudeSource,
+    ) -> Result<Option<Spin>, SceneError> {
+        let (rate, axis) = (orbit.spin_rate_deg_s(), orbit.spin_axis());
+        if let AttitudeSource::File(_) = attitude {
+            let advice = "a spin is on top of attitude, and attitude_file says all; leave it out";
+            self.idle(&rate, "attitude_file says it", advice)?;
+            self.idle(&axis, "attitude_file says it", advice)?;
+            return Ok(None);
+        }
+        if !rate.is_given() {
+            rate.note(Err(NO_SPIN));
+            let advice = "is the axis of a spin; add spin_rate_deg_s = …, or leave it out";
+            self.idle(&axis, NO_SPIN, advice)?;
+            return Ok(None);
+        }
+        let rate_deg_s = self.quantity_or(&rate, 0.0)?;
+        let given = axis.given.map(|given| given.get_ref().as_slice());
+        let found = match given {
+            None => Some(SPIN_AXIS),
+            Some(&[x, y, z]) => Some(DVec3::new(x, y, z)),
+            Some(_) => None,
+        };
+        let is_axis = |one: &DVec3| {
+            one.to_array().iter().all(|part| axis.rule.contains(part)) && one.length() > 1e-9
+        };
+        let Some(found) = found.filter(is_axis) else {
+            let advice = "must be three numbers, [x, y, z], not all of them 0";
+            return Err(self.reject(&axis, advice));
+        };
+        let numbers = found.to_array().map(number_text).join(", ");
+        axis.note(Ok(format!("[{numbers}]")));
+        Ok(Some(Spin {
+            axis: found,
+            rate_deg_s,
+        }))
     }
 
     fn attitude(&self, orbit: &RawOrbit) -> Result<AttitudeSource, SceneError> {
@@ -121,7 +187,7 @@ impl SceneText<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Scene;
+    use crate::scene::{ArticulationTarget, ArticulationTurn, Scene};
     use std::path::Path;
 
     fn craft(keys: &str) -> Result<CraftOptions, String> {
@@ -144,10 +210,50 @@ mod tests {
         assert!(model.file.ends_with("Cargo.toml"));
         assert_eq!((model.scale, model.least_length_px), (0.5, 24.0));
         assert_eq!(model.axes, ModelAxes::Body);
+        assert!(model.articulations.is_empty() && given.spin.is_none());
         let file = craft("attitude_file = \"Cargo.toml\"").expect("good");
         assert!(
             matches!(file.attitude, AttitudeSource::File(path) if path.ends_with("Cargo.toml"))
         );
+    }
+
+    #[test]
+    fn parts_and_the_whole_turn_as_the_keys_say() {
+        let given = craft(
+            "model = \"Cargo.toml\"\nspin_rate_deg_s = -6\nspin_axis = [0, 1, 1]\narticulations = [\
+             { node = \"Wheel\", axis = [1, 0, 0], rate_deg_s = 360 }, { node = \"Boom\", axis = [0, 0, 2], angle_deg = -45 }, \
+             { node = \"Wing\", axis = [0, 1, 0], track = \"sun\" }, { node = \"Dish\", axis = [0, 1, 0], track = \"earth\", normal = [1, 0, 0] }]",
+        );
+        let given = given.expect("good");
+        let spin = Spin {
+            axis: DVec3::new(0.0, 1.0, 1.0),
+            rate_deg_s: -6.0,
+        };
+        assert_eq!(given.spin, Some(spin));
+        let turned = given.model.expect("a model").articulations;
+        let turns: Vec<_> = turned
+            .iter()
+            .map(|one| (one.node.as_str(), one.turn))
+            .collect();
+        let even = |angle_deg, rate_deg_s| ArticulationTurn::Even {
+            angle_deg,
+            rate_deg_s,
+        };
+        let track = |target, normal| ArticulationTurn::Track { target, normal };
+        assert_eq!(
+            turns,
+            [
+                ("Wheel", even(0.0, 360.0)),
+                ("Boom", even(-45.0, 0.0)),
+                ("Wing", track(ArticulationTarget::Sun, DVec3::Z)),
+                ("Dish", track(ArticulationTarget::Earth, DVec3::X)),
+            ]
+        );
+        let spin = craft("spin_rate_deg_s = 30")
+            .expect("good")
+            .spin
+            .expect("a spin");
+        assert_eq!(spin.axis, DVec3::Z);
     }
 
     #[test]
@@ -163,6 +269,21 @@ mod tests {
                 "model_length_px",
             ),
             ("attitude = \"spin\"", "attitude"),
+            ("articulations = []", "articulations is for a model"),
+            ("spin_axis = [0, 0, 1]", "add spin_rate_deg_s"),
+            ("spin_rate_deg_s = 1e9", "spin_rate_deg_s"),
+            (
+                "spin_rate_deg_s = 1\nspin_axis = [0, 0, 0]",
+                "not all of them 0",
+            ),
+            (
+                "spin_rate_deg_s = 1\nspin_axis = [0, nan, 1]",
+                "three numbers",
+            ),
+            (
+                "spin_rate_deg_s = 1\nattitude_file = \"Cargo.toml\"",
+                "attitude_file says all",
+            ),
             (
                 "attitude = \"sun\"\nattitude_file = \"Cargo.toml\"",
                 "leave one of them out",
@@ -174,5 +295,69 @@ mod tests {
                 "{keys}: {error}"
             );
         }
+    }
+
+    #[test]
+    fn articulations_that_cannot_be_are_rejected() {
+        for (one, said) in [
+            (
+                "{ axis = [0, 1, 0], angle_deg = 1 }",
+                "articulation 1: needs node",
+            ),
+            (
+                "{ node = \"\", axis = [0, 1, 0], angle_deg = 1 }",
+                "the name of a node",
+            ),
+            ("{ node = \"A\", angle_deg = 1 }", "needs axis"),
+            (
+                "{ node = \"A\", axis = [0, 0, 0], angle_deg = 1 }",
+                "not all of them 0",
+            ),
+            (
+                "{ node = \"A\", axis = [0, inf, 0], angle_deg = 1 }",
+                "three numbers",
+            ),
+            (
+                "{ node = \"A\", axis = [0, 1, 0] }",
+                "needs angle_deg, rate_deg_s or track",
+            ),
+            (
+                "{ node = \"A\", axis = [0, 1, 0], angle_deg = 361 }",
+                "from −360 to 360",
+            ),
+            (
+                "{ node = \"A\", axis = [0, 1, 0], track = \"mars\" }",
+                "\"sun\" or \"earth\"",
+            ),
+            (
+                "{ node = \"A\", axis = [0, 1, 0], track = \"sun\", rate_deg_s = 1 }",
+                "leave angle_deg and rate_deg_s out",
+            ),
+            (
+                "{ node = \"A\", axis = [0, 1, 0], track = \"sun\", normal = [0, -2, 0] }",
+                "normal lies along axis",
+            ),
+            (
+                "{ node = \"A\", axis = [0, 1, 0], angle_deg = 1, speed = 2 }",
+                "not speed",
+            ),
+            ("7", "must be a table"),
+            (
+                "{ node = \"A\", axis = [0, 1, 0], angle_deg = 1 }, { node = \"A\", axis = [1, 0, 0], angle_deg = 1 }",
+                "articulation 2: turns the node \"A\" a second time",
+            ),
+        ] {
+            let keys = format!("model = \"Cargo.toml\"\narticulations = [{one}]");
+            let error = craft(&keys).expect_err(one);
+            assert!(
+                error.contains("a.toml:3") && error.contains(said),
+                "{one}: {error}"
+            );
+        }
+        let many: String = (0..65)
+            .map(|at| format!("{{ node = \"{at}\", axis = [0, 1, 0], angle_deg = 1 }}, "))
+            .collect();
+        let keys = format!("model = \"Cargo.toml\"\narticulations = [{many}]");
+        assert!(craft(&keys).expect_err("many").contains("at most 64"));
     }
 }

@@ -49,12 +49,14 @@ impl Footprint {
 }
 
 impl SceneText<'_> {
-    /// Checks what is drawn of a satellite's sensor.
+    /// Checks what is drawn of a satellite's sensor; answers its field of view besides. That counts without being drawn in a scene with a map of
+    /// coverage.
     pub(super) fn footprint(
         &self,
         orbit: &RawOrbit,
         tracks: &RawTracks,
-    ) -> Result<Option<Footprint>, SceneError> {
+        has_coverage: bool,
+    ) -> Result<(Option<Footprint>, Option<FieldOfView>), SceneError> {
         let shown = own_or(orbit.footprint(), tracks.footprint());
         let field = self.field_of_view(orbit, tracks)?;
         let swath = own_or(orbit.swath(), tracks.swath());
@@ -64,29 +66,30 @@ impl SceneText<'_> {
         // A sensor and a swath are given to be seen.
         let is_shown = shown.is_on_or(field.is_some() || swath_span.is_some());
         if is_shown {
-            return Ok(Some(Footprint {
+            let footprint = Footprint {
                 field,
                 fill: fill.is_on(),
                 lines: lines.is_on(),
                 swath: swath_span,
-            }));
+            };
+            return Ok((Some(footprint), field));
         }
         // `footprint = false` of one satellite puts out what `[tracks]` has for all.
         let is_meant = |table: &str| !shown.is_given() || shown.table == table;
+        let is_idle = |table: &str| !has_coverage && is_meant(table);
         let angle = own_or(
             orbit.sensor_half_angle_deg(),
             tracks.sensor_half_angle_deg(),
         );
-        let advice =
-            "a sensor's field of view has no meaning with footprint = false; leave one of them out";
-        if angle.is_given() && is_meant(angle.table) {
+        let advice = "a sensor's field of view has no meaning with footprint = false and without [coverage]; leave one of them out";
+        if angle.is_given() && is_idle(angle.table) {
             return Err(self.reject(&angle, advice));
         }
         let angles = own_or(
             orbit.sensor_half_angles_deg(),
             tracks.sensor_half_angles_deg(),
         );
-        if angles.is_given() && is_meant(angles.table) {
+        if angles.is_given() && is_idle(angles.table) {
             return Err(self.reject(&angles, advice));
         }
         if swath_span.is_some() && is_meant(swath.table) {
@@ -108,7 +111,7 @@ impl SceneText<'_> {
         }
         angle.note(Err(UNSHOWN));
         angles.note(Err(UNSHOWN));
-        Ok(None)
+        Ok((None, field))
     }
 
     /// Checks the field of view; `None` is all the ground in sight.

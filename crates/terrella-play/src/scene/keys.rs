@@ -4,6 +4,7 @@
 
 use super::caption_keys::RawCaption;
 use super::choices::{CameraMode, CameraUp, Look, OrbitSource, StorageChoice};
+use super::coverage_keys::RawCoverage;
 use super::field::{
     Bounds, Choice, Field, RawCameraKey, RawDatedMaps, RawLookAt, RawPath, RawTone,
 };
@@ -363,6 +364,7 @@ pub(super) struct RawScene {
     pub(super) station: OneOrMore<RawStation>,
     pub(super) layers: RawLayers,
     pub(super) geojson: OneOrMore<RawGeojson>,
+    pub(super) coverage: RawCoverage,
     pub(super) camera: RawCamera,
     pub(super) sensor: RawSensor,
     pub(super) earth: RawEarth,
@@ -381,6 +383,7 @@ pub(super) const TABLES: &[Table] = &[
     RawStation::TABLE,
     RawLayers::TABLE,
     RawGeojson::TABLE,
+    RawCoverage::TABLE,
     RawCamera::TABLE,
     RawSensor::TABLE,
     RawEarth::TABLE,

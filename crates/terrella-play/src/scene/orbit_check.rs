@@ -56,6 +56,7 @@ impl SceneText<'_> {
         orbit: &RawOrbit,
         tracks: &RawTracks,
         scene_start: Epoch,
+        has_coverage: bool,
     ) -> Result<Orbit, SceneError> {
         let source_field = orbit.source();
         let source = self.choice(&source_field)?;
@@ -157,7 +158,7 @@ impl SceneText<'_> {
             all,
             strict: strict.is_on(),
             motion,
-            track: self.track(orbit, tracks)?,
+            track: self.track(orbit, tracks, has_coverage)?,
             craft: self.craft(orbit)?,
         })
     }

@@ -1,5 +1,6 @@
 //! Declares the keys of `[orbit]` and `[tracks]`, as [`keys`](super::keys) does those of the other tables.
 
+use super::articulations::{AXIS, RATE_DEG_S};
 use super::choices::{AirModel, FrameName, Method};
 use super::choices::{OrbitSource, OrbitSource::*};
 use super::craft::{AttitudeName, ModelAxes};
@@ -221,6 +222,15 @@ table_with_tracks!(RawOrbit = "orbit" {
     /// File of attitudes, in place of attitude: an AEM (CCSDS 504.0, KVN or XML), or CSV with the columns epoch_utc, qx, qy, qz, qw.
     /// By default none.
     attitude_file: RawPath, of "a file of attitudes";
+    /// Rate at which the spacecraft spins about spin_axis on top of attitude, counter-clockwise, from the scene's start on. By default it
+    /// does not.
+    spin_rate_deg_s: f64, of "degrees a second", in RATE_DEG_S;
+    // A list of any length.
+    /// Axis of the spin in the axes of the spacecraft. By default [0, 0, 1].
+    spin_axis: Vec<f64>, of "[x, y, z], three numbers", in AXIS;
+    // A list of tables, checked by articulations.rs.
+    /// Nodes of the model that turn about an axis of their own, with all that hangs on them. By default none.
+    articulations: toml::Value, of "a list like [{ node = \"Panel\", axis = [0, 1, 0], track = \"sun\", normal = [0, 0, 1] }]";
 } {});
 
 /// The settings that a live feed has where a scene says nothing; the transport is always said.

@@ -59,6 +59,29 @@ impl Scene {
         }
     }
 
+    /// The places of the satellites that the map of coverage is of; none where there is no map.
+    ///
+    /// # Errors
+    /// A name that none of them has, or more than one.
+    pub(crate) fn coverage_satellites(&self, names: &[&str]) -> Result<Vec<usize>, SceneError> {
+        let Some(table) = &self.coverage else {
+            return Ok(Vec::new());
+        };
+        if table.satellites.is_empty() {
+            return Ok((0..names.len()).collect());
+        }
+        let found = table.satellites.iter().map(|wanted| {
+            self.satellite(wanted, names).map_err(|remedy| {
+                let line = self.line("coverage", "satellites");
+                self.rejection("coverage", "satellites", line, wanted, remedy)
+            })
+        });
+        let mut found = found.collect::<Result<Vec<_>, _>>()?;
+        found.sort_unstable();
+        found.dedup();
+        Ok(found)
+    }
+
     /// The place of a satellite by name, letter case aside, as [`Self::followed`] looks for it; else what to do.
     ///
     /// # Errors

@@ -3,8 +3,10 @@
 //! `TERRELLA_UPDATE_REFERENCE=1 cargo test -p terrella-play reference` writes it again, and the reference page with it; without
 //! the variable the same test compares.
 
+use super::articulations::{ANGLE_DEG, AXIS, MAX_ARTICULATIONS, RATE_DEG_S, TRACKED};
 use super::camera_keys::{CUT, NUMBERS, OFFSET, OFFSET_M};
 use super::caption_keys::MAX_CAPTIONS;
+use super::coverage_keys::MAX_NAMES;
 use super::field::names_of;
 use super::globe_keys::{GRATICULE_STEP_DEG, MAX_GEOJSON, MAX_STATIONS, PLACE_NAMES};
 use super::keys::{
@@ -105,6 +107,7 @@ pub(super) fn value_schema(key: &Key) -> Value {
         Shape::Text | Shape::Path => path,
         Shape::Paths => json!({ "type": "array", "maxItems": MAX_ELEVATION_FILES, "items": path }),
         Shape::Vector if key.name == "sensor_half_angles_deg" => list(bounded("number"), 2),
+        Shape::Vector if key.name == "region_deg" => list(bounded("number"), 4),
         Shape::Vector => list(bounded("number"), 3),
         Shape::Pair => list(bounded("integer"), 2),
         Shape::DatedMaps => json!({
@@ -136,9 +139,15 @@ fn own(key: &Key) -> Value {
             { "type": "integer", "minimum": PLACE_NAMES.start(), "maximum": PLACE_NAMES.end() },
         ] }),
         "burns" => json!({ "type": "array", "maxItems": MAX_BURNS, "items": table() }),
+        "articulations" => {
+            json!({ "type": "array", "maxItems": MAX_ARTICULATIONS, "items": table() })
+        }
         "events" => {
             json!({ "type": "array", "items": { "enum": ["nodes", "apsides", "eclipses"] } })
         }
+        "satellites" => json!({
+            "type": "array", "minItems": 1, "maxItems": MAX_NAMES, "items": { "type": "string" },
+        }),
         "allowed_origins" => {
             json!({ "type": "array", "maxItems": MAX_ORIGINS, "items": { "type": "string" } })
         }
@@ -212,6 +221,34 @@ pub(super) fn parts(key: &str) -> Vec<KeyPart> {
                 "axes",
                 words(&["flight", "radial", "gcrf"]),
                 "Axes of the acceleration: of the flight (x along the velocity, z along the angular momentum), the default, radial (x away from the Earth's centre, z likewise), or of the GCRF.",
+            ),
+        ],
+        "articulations" => vec![
+            needed("node", text(), "Name of the node in the model's file."),
+            needed(
+                "axis",
+                list(number(&AXIS), 3),
+                "Axis through the node's origin, in the axes of the node.",
+            ),
+            part(
+                "angle_deg",
+                number(&ANGLE_DEG),
+                "Angle at the scene's start, degrees counter-clockwise from how the file places the node; by default 0.",
+            ),
+            part(
+                "rate_deg_s",
+                number(&RATE_DEG_S),
+                "Degrees a second; by default 0.",
+            ),
+            part(
+                "track",
+                words(&TRACKED),
+                "In place of angle_deg and rate_deg_s: what normal is turned to, as near as the axis allows.",
+            ),
+            part(
+                "normal",
+                list(number(&AXIS), 3),
+                "Direction in the axes of the node that track turns; by default [0, 0, 1].",
             ),
         ],
         "day_maps" | "cloud_maps" | "night_light_maps" => vec![

@@ -46,6 +46,13 @@ impl FromStr for Setting {
     }
 }
 
+/// As `--set` takes it.
+impl std::fmt::Display for Setting {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}.{}={}", self.table, self.key, self.value)
+    }
+}
+
 impl Setting {
     /// A key of a table, and its value as TOML.
     pub fn new(table: &str, key: &str, value: impl ToString) -> Self {
@@ -54,6 +61,11 @@ impl Setting {
             key: key.to_owned(),
             value: value.to_string(),
         }
+    }
+
+    /// The table and the key that it sets.
+    pub fn of(&self) -> (&str, &str) {
+        (&self.table, &self.key)
     }
 
     /// Whether it sets this key.

@@ -232,6 +232,7 @@ impl Scene {
         uses.extend(self.station_uses());
         uses.extend(self.line_uses());
         uses.extend(self.geojson_uses());
+        uses.extend(self.coverage_uses());
         let camera = &self.camera;
         let eye = match camera.mode {
             CameraMode::Nadir => format!(

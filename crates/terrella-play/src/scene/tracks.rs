@@ -7,6 +7,7 @@ use super::orbit_keys::{RawOrbit, RawTracks};
 use super::record::quoted;
 use super::text::SceneText;
 use super::track_span::TrackSpan;
+use terrella_orbit::FieldOfView;
 use toml::Spanned;
 
 /// What is drawn of one satellite besides the Earth under it. All of it is off where a scene says nothing.
@@ -20,6 +21,8 @@ pub struct Track {
     pub ground_track: Option<TrackSpan>,
     /// What its sensor sees.
     pub footprint: Option<Footprint>,
+    /// The field of view of its sensor, drawn or not; `None` is all the ground in sight.
+    pub sensor: Option<FieldOfView>,
     /// A ring where it is overhead.
     pub subpoint: bool,
     /// A dot where it is, with its name.
@@ -32,20 +35,28 @@ impl Track {
         *self
             == Self {
                 color: self.color,
+                sensor: self.sensor,
                 ..Self::default()
             }
     }
 }
 
 impl SceneText<'_> {
-    /// Checks what is drawn of a satellite.
-    pub(super) fn track(&self, orbit: &RawOrbit, tracks: &RawTracks) -> Result<Track, SceneError> {
+    /// Checks what is drawn of a satellite; with a map of coverage its sensor counts without being drawn.
+    pub(super) fn track(
+        &self,
+        orbit: &RawOrbit,
+        tracks: &RawTracks,
+        has_coverage: bool,
+    ) -> Result<Track, SceneError> {
+        let (footprint, sensor) = self.footprint(orbit, tracks, has_coverage)?;
         let is_on = |own, common| own_or(own, common).is_on();
         Ok(Track {
             color: self.color(&orbit.color())?,
             trail: self.span(&own_or(orbit.trail(), tracks.trail()))?,
             ground_track: self.span(&own_or(orbit.ground_track(), tracks.ground_track()))?,
-            footprint: self.footprint(orbit, tracks)?,
+            footprint,
+            sensor,
             subpoint: is_on(orbit.subpoint(), tracks.subpoint()),
             marker: is_on(orbit.marker(), tracks.marker()),
         })
@@ -56,13 +67,14 @@ impl SceneText<'_> {
         &self,
         tracks: &RawTracks,
         has_satellites: bool,
+        has_coverage: bool,
     ) -> Result<f64, SceneError> {
         if let Some((key, span)) = tracks.given().next().filter(|_| !has_satellites) {
             let advice = "tracks are of satellites and this scene has none; give it an [orbit] table, or leave [tracks] out";
             return Err(self.reject_at("tracks", key.name, span, advice));
         }
         // Each satellite may have keys of its own: what is common is checked here too.
-        self.track(&RawOrbit::default(), tracks)?;
+        self.track(&RawOrbit::default(), tracks, has_coverage)?;
         let width_px = self.number(&tracks.width_px(), |_, range| {
             format!("lines must be from {range} pixels wide")
         })?;

@@ -325,6 +325,10 @@ fn buttons(ui: &mut Ui, line: &TimeLine, clock: &Clock, actions: &mut Vec<Action
         if next.on_hover_text(tooltip(&Action::NextPass)).clicked() {
             actions.push(Action::NextPass);
         }
+        let film = ui.button("film");
+        if film.on_hover_text(tooltip(&Action::Film)).clicked() {
+            actions.push(Action::Film);
+        }
     });
 }
 

@@ -120,10 +120,15 @@ fn a_pass_beyond_the_flight_takes_the_span_there() {
     assert_eq!(
         message.as_deref(),
         Some(
-            "ISS (ZARYA) over 48.200° N, 16.400° E: 2018-01-16T02:00:00Z to 02:06:40Z, 40° high at 02:03:20Z"
+            "ISS (ZARYA) over 48.200° N, 16.400° E: 2018-01-16T02:00:00Z to 02:06:40Z, 40° high at 02:03:20Z. Space plays it"
         )
     );
     assert_eq!(clock.now(), begin);
+    // It stands, and plays the pass alone, in 20 s.
+    assert!(clock.is_paused() && clock.speed().abs() == 20.0);
+    let (from, to) = clock.range();
+    assert!((from - clock.progress()).abs() < 1e-9);
+    assert!(((to - from) * clock.duration_s() - 400.0).abs() < 1e-6);
     assert!(!clock.is_on_scene_span() && (clock.duration_s() - 5400.0).abs() < 1e-6);
     assert!((clock.progress() - PASS_LEAD_FRACTION).abs() < 1e-9);
     // One in the flight leaves the span as it is.

@@ -1,6 +1,7 @@
 //! Earth-fixed elements of a scene: lines, polygons, marked places and names.
 
 use super::labels::{CityName, NamePlace};
+use crate::coverage_layer::coverage_polygons;
 use crate::error::PlayError;
 use crate::flight::Flight;
 use crate::geo_layers::geo_layers;
@@ -47,7 +48,10 @@ impl Still {
             tracing::warn!("{note}");
         }
         lines.append(&mut geo.lines);
-        // Missing files are reported when the scene is opened.
+        // Beneath the polygons of files.
+        let mut polygons = coverage_polygons(scene, flight)?;
+        polygons.append(&mut geo.polygons);
+        // What is missing is reported where the scene is opened.
         let (cities, _) = place_names(scene)?;
         let mut marks = geo.marks;
         marks.extend(cities.iter().map(|city| GroundMark {
@@ -60,7 +64,7 @@ impl Still {
         }));
         Ok(Self {
             lines,
-            polygons: geo.polygons,
+            polygons,
             twilight: twilight(scene),
             shadow_lines: shadow_lines(scene),
             marks,

@@ -101,15 +101,9 @@ impl App<'_> {
                 self.act(event_loop, Action::Drag(by.x, by.y));
             }
             Gesture::End => self.controls.hand.let_go(),
-            Gesture::Click(at) => {
-                self.controls.picked = with_globe(ellipsoid, relief.as_ref(), |globe| {
-                    pick(flight, &moment, globe, screen.size_px, at)
-                });
-            }
+            Gesture::Click(at) => self.controls.picked = self.picked_at(&moment, &screen, at),
             Gesture::DoubleClick(at) => {
-                let picked = with_globe(ellipsoid, relief.as_ref(), |globe| {
-                    pick(flight, &moment, globe, screen.size_px, at)
-                });
+                let picked = self.picked_at(&moment, &screen, at);
                 self.controls.picked = picked;
                 match picked {
                     Some(Picked::Satellite(index)) => self.follow(&moment, index),
@@ -126,6 +120,19 @@ impl App<'_> {
             }
         }
         self.redraw();
+    }
+
+    /// What is under a pixel of the picture on screen.
+    fn picked_at(&self, moment: &Moment, screen: &Screen, at: DVec2) -> Option<Picked> {
+        let near = self
+            .renderer
+            .as_ref()
+            .map(|renderer| renderer.markers_near(at));
+        let near = near.unwrap_or_default();
+        let relief = self.relief();
+        with_globe(self.flight.ellipsoid(), relief.as_ref(), |globe| {
+            pick(self.flight, moment, globe, screen.size_px, at, &near)
+        })
     }
 
     fn follow(&mut self, moment: &Moment, satellite: usize) {
