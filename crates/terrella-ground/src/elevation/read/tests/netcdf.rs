@@ -381,7 +381,8 @@ fn other_dimensions_of_length_1_are_skipped() {
     }
 }
 
-/// `netcdf4_times_i16.nc`: netCDF4, variables of 16 × 32 of the plane over `time` (no limit, length 1) and more, as the names say.
+/// `netcdf4_times_i16.nc`: netCDF4, variables of 16 × 32 of the plane over `time` (no limit, length 1) and more, as the names say; `bare`
+/// over dimensions without coordinates.
 #[test]
 fn netcdf_4_of_one_time_is_read() {
     let bytes = std::fs::read(data("netcdf4_times_i16.nc")).expect("a file");
@@ -390,6 +391,11 @@ fn netcdf_4_of_one_time_is_read() {
         let file = file.unwrap_or_else(|error| panic!("{name}: {error}"));
         holds(&file, (40.0, 178.0), 0.25, (32, 16), plane);
     }
+    // Dimensions without coordinates have no place.
+    let bare = "variable = \"bare\"\nunit = \"metres\"\nregistration = \"posts\"\n\
+                bounds = { south_deg = 36.25, north_deg = 40, west_deg = 178, east_deg = 185.75 }";
+    let file = read(bytes.clone(), bare).unwrap_or_else(|error| panic!("bare: {error}"));
+    holds(&file, (40.0, 178.0), 0.25, (32, 16), plane);
     let said = said(bytes, "variable = \"months\"");
     assert!(said.contains("has no variable \"months\""), "{said}");
 }
