@@ -399,3 +399,29 @@ fn netcdf_4_of_one_time_is_read() {
     let said = said(bytes, "variable = \"months\"");
     assert!(said.contains("has no variable \"months\""), "{said}");
 }
+
+/// How fast the file is read that `TERRELLA_NETCDF` names: its values as they are stored, by the time of one thread.
+#[test]
+#[ignore = "prints a time"]
+fn print_reading_speed() {
+    let path = PathBuf::from(std::env::var_os("TERRELLA_NETCDF").expect("TERRELLA_NETCDF"));
+    for _ in 0..3 {
+        let reader = HeightReader::open(&path).expect("a file");
+        let (columns, rows) = reader.size();
+        let Decoder::NetCdf(file) = &reader.decoder else {
+            panic!("no NetCDF");
+        };
+        let bytes = u64::from(columns) * u64::from(rows) * file.value_bytes() as u64;
+        let conversion = reader.conversion().expect("metres");
+        let start = cpu_time::ThreadTime::now();
+        let mut sum = 0.0;
+        reader
+            .read(&conversion, |_, _, heights_m: &mut [f32]| {
+                sum += f64::from(heights_m[0]);
+                Ok::<_, HeightFileError>(())
+            })
+            .expect("heights");
+        let megabytes_a_second = bytes as f64 / 1e6 / start.elapsed().as_secs_f64();
+        println!("{columns} x {rows} heights read at {megabytes_a_second:.0} MB/s ({sum:.0})");
+    }
+}
