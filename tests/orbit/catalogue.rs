@@ -230,3 +230,89 @@ fn ephemerides_are_read_once_too() {
         assert!(!file.is_new);
     }
 }
+
+/// So many sets as a catalogue publishes them in CSV, 147 and more bytes each.
+fn table_of(count: usize) -> String {
+    let mut text = "OBJECT_NAME,OBJECT_ID,EPOCH,MEAN_MOTION,ECCENTRICITY,INCLINATION,RA_OF_ASC_NODE,ARG_OF_PERICENTER,MEAN_ANOMALY,\
+        EPHEMERIS_TYPE,CLASSIFICATION_TYPE,NORAD_CAT_ID,ELEMENT_SET_NO,REV_AT_EPOCH,BSTAR,MEAN_MOTION_DOT,MEAN_MOTION_DDOT\n"
+        .to_owned();
+    for k in 0..count {
+        let x = k as f64;
+        let _ = writeln!(
+            text,
+            "SATELLITE NUMBER {k:06},{}-{:03}AAA,2026-11-{:02}T{:02}:{:02}:13.841216,{:.8},{:.7},{:.4},{:.4},{:.4},{:.4},0,U,{},999,{k},{:.13},{:.10},0",
+            1990 + k % 36,
+            1 + k % 200,
+            1 + k % 20,
+            k % 24,
+            k % 60,
+            11.5 + x * 0.618 % 4.0,
+            0.0001 + x * 0.000_137 % 0.01,
+            20.0 + x * 0.9 % 79.0,
+            x * 0.7 % 360.0,
+            x * 3.1 % 360.0,
+            x * 1.3 % 360.0,
+            k + 1,
+            1e-5 + x * 1e-9,
+            1e-6,
+        );
+    }
+    text
+}
+
+/// The figures of `docs/orbits.md`. Run in a release build on a quiet machine, alone.
+#[test]
+#[ignore = "prints times"]
+fn print_catalogue_times() {
+    let folder = tempfile::tempdir().unwrap();
+    let put = |name: &str, count| {
+        let path = folder.path().join(name);
+        let text = table_of(count);
+        std::fs::write(&path, &text).unwrap();
+        (path, text.len() as f64 / 1e6)
+    };
+    let (path, megabytes) = put("all.csv", 30_000);
+    let mut opened = Vec::new();
+    let mut moved = Vec::new();
+    for _ in 0..5 {
+        let start = std::time::Instant::now();
+        let catalogue = Catalogue::from_file(&path, false).unwrap();
+        opened.push(start.elapsed());
+        assert_eq!(catalogue.feeds.len(), 30_000);
+        let epoch = catalogue.feeds[0].epoch();
+        for frame in 0..20 {
+            let epoch = epoch + Duration::from_seconds(f64::from(frame) / 60.0);
+            let start = std::time::Instant::now();
+            let states = catalogue.feeds.iter().map(|feed| feed.state_at(epoch));
+            let known = states.filter(|state| std::hint::black_box(state).is_ok());
+            assert!(known.count() > 29_000);
+            moved.push(start.elapsed());
+        }
+    }
+    let median = |times: &mut Vec<std::time::Duration>| {
+        times.sort();
+        times[times.len() / 2].as_secs_f64()
+    };
+    println!(
+        "30 000 sets of {megabytes:.1} MB: opened in {:.2} s, a frame of all in {:.1} ms",
+        median(&mut opened),
+        1e3 * median(&mut moved)
+    );
+    let (path, megabytes) = put("large.csv", 96_000);
+    let mut taken = Vec::new();
+    for _ in 0..5 {
+        let start = std::time::Instant::now();
+        let mut files = OrbitFiles::default();
+        for n in 0..100 {
+            let file = files.catalogue(&path, false).unwrap();
+            let name = format!("SATELLITE NUMBER {:06}", n * 907);
+            let feed = file.content.one(&path, Some(&name)).unwrap();
+            assert_eq!(feed.catalogue_number(), n * 907 + 1);
+        }
+        taken.push(start.elapsed());
+    }
+    println!(
+        "100 satellites of a file of {megabytes:.1} MB taken in {:.2} s",
+        median(&mut taken)
+    );
+}

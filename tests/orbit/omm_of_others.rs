@@ -208,6 +208,21 @@ fn tables_of_other_columns_say_what_they_lack() {
     let lower = table("\t", &[ISS]).to_lowercase();
     let error = catalogue(&lower);
     assert!(error.contains("has no columns OBJECT_NAME, EPOCH,") && error.contains("in capitals"));
+    let members = object(ISS, ",").to_lowercase();
+    assert_eq!(FileFormat::of_text(&members), Some(FileFormat::Omm));
+    assert!(catalogue(&members).contains("the object without MEAN_MOTION"));
+    // Two-line elements whose blanks have become tabs are no table of columns.
+    let tle = crate::ISS.join("\n").replace(' ', "\t");
+    assert!(
+        !catalogue(&tle).contains("has no columns"),
+        "{}",
+        catalogue(&tle)
+    );
+    let bars = ephemerides(&states.replace(';', "|"));
+    assert!(
+        bars.contains("between commas, semicolons or tabs"),
+        "{bars}"
+    );
     let less = table(",", &[ISS])
         .replace("BSTAR", "DRAG")
         .replace("EPOCH", "DATE");

@@ -143,7 +143,7 @@ pub enum OrbitError {
     #[error(transparent)]
     Record(#[from] RecordError),
     /// The file has no ephemeris in it.
-    #[error("{}: contains no ephemeris; expected an OEM (CCSDS 502.0, KVN or XML), CZML, CSV whose header names epoch_utc,x_km,y_km,z_km, SP3, or an ephemeris of STK", path.display())]
+    #[error("{}: contains no ephemeris; expected an OEM (CCSDS 502.0, KVN or XML), CZML, a table whose header names epoch_utc, x_km, y_km and z_km between commas, semicolons or tabs, SP3, or an ephemeris of STK", path.display())]
     NoEphemeris { path: PathBuf },
     /// A message of another kind.
     #[error("{}: {kind} {remedy}", path.display())]

@@ -165,6 +165,7 @@ fn of_json(text: &str) -> Option<FileFormat> {
         text,
         &[
             ("\"MEAN_MOTION\"", Omm),
+            ("\"mean_motion\"", Omm),
             ("\"SEMI_MAJOR_AXIS\"", Omm),
             ("\"OBJECT_NAME\"", Omm),
             ("\"OBJECT_ID\"", Omm),

@@ -138,6 +138,31 @@ impl GeoTags {
             .collect()
     }
 
+    /// Whether the tags name no system and place pixels at their own numbers, as libraries write what has no place: it says nothing.
+    pub fn is_unplaced(&self) -> bool {
+        if !matches!(self.system(), Ok(None)) {
+            return false;
+        }
+        const IDENTITY: [f64; 16] = [
+            1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0,
+        ];
+        match (
+            self.matrix.as_deref(),
+            self.scale.as_deref(),
+            self.tie.as_deref(),
+        ) {
+            // Some leave the scale of heights at 0.
+            (Some(matrix), ..) => {
+                let mut pairs = matrix.iter().zip(&IDENTITY).enumerate();
+                matrix.len() == 16 && pairs.all(|(n, (one, other))| n == 10 || one == other)
+            }
+            (None, Some([1.0, 1.0, ..]), Some([column, row, _, x, y, _])) => {
+                *column == *x && *row == *y
+            }
+            _ => false,
+        }
+    }
+
     /// The value of a key that has one.
     pub fn key(&self, key: u16) -> Option<u16> {
         self.keys.iter().find(|(k, _)| *k == key).map(|(_, v)| *v)
@@ -292,6 +317,41 @@ mod tests {
         ];
         let doubles = GeoTags::read_doubles(&directory, &[298.257, 6_378_137.0]);
         assert_eq!(doubles, [(2057, 6_378_137.0)]);
+    }
+
+    #[test]
+    fn pixels_at_their_own_numbers_have_no_place() {
+        let of = |scale: &[f64], tie: &[f64], matrix: Option<Vec<f64>>, keys: &[(u16, u16)]| {
+            let tags = GeoTags {
+                scale: (!scale.is_empty()).then(|| scale.to_vec()),
+                tie: (!tie.is_empty()).then(|| tie.to_vec()),
+                matrix,
+                keys: keys.to_vec(),
+                ..GeoTags::default()
+            };
+            tags.is_unplaced()
+        };
+        let identity = |height| {
+            let mut matrix = vec![0.0; 16];
+            for n in [0, 5, 15] {
+                matrix[n] = 1.0;
+            }
+            matrix[10] = height;
+            matrix
+        };
+        let (one, origin) = ([1.0, 1.0, 0.0], [0.0; 6]);
+        assert!(of(&[], &[], Some(identity(0.0)), &[]));
+        assert!(of(&[], &[], Some(identity(1.0)), &[(1025, 1)]));
+        assert!(of(&one, &origin, None, &[]));
+        assert!(!of(
+            &[],
+            &[],
+            Some(identity(0.0)),
+            &[(1024, 2), (2048, 4326)]
+        ));
+        assert!(!of(&one, &[0.0, 0.0, 0.0, 7.0, 0.0, 0.0], None, &[]));
+        assert!(!of(&[0.5, 1.0, 0.0], &origin, None, &[]));
+        assert!(!of(&[], &[], None, &[]));
     }
 
     /// Codes and constants of the EPSG registry.

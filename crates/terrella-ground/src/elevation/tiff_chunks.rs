@@ -582,6 +582,8 @@ fn cropped(
         To::I32(all) => To::I32(crop(all, row, rows)?),
         To::F32(all) => To::F32(crop(all, row, rows)?),
         To::F64(all) => To::F64(crop(all, row, rows)?),
-        other => other,
+        To::F16(all) => To::F16(crop(all, row, rows)?),
+        To::U64(all) => To::U64(crop(all, row, rows)?),
+        To::I64(all) => To::I64(crop(all, row, rows)?),
     })
 }

@@ -60,6 +60,9 @@ impl TagGrid {
 
 /// Where the texels lie; `None` of tags that do not say it, an error of those that turn the map.
 pub(crate) fn grid_of(tags: &GeoTags) -> Result<Option<TagGrid>, String> {
+    if tags.is_unplaced() {
+        return Ok(None);
+    }
     let (scale_x, scale_y, left, top) = match (&tags.matrix, &tags.scale, &tags.tie) {
         (Some(m), ..) if m.len() == 16 => {
             if m[1] != 0.0 || m[4] != 0.0 {
@@ -134,6 +137,10 @@ mod tests {
         let whole = tags([0.5, 0.5], [0.0, 0.0, -180.0, 90.0]);
         assert_eq!(complaint_of(&whole, 720, 360), None);
         assert_eq!(complaint_of(&GeoTags::default(), 720, 360), None);
+        // Pixels at their own numbers say nothing.
+        let mut unplaced = tags([1.0, 1.0], [0.0; 4]);
+        unplaced.keys.clear();
+        assert_eq!(complaint_of(&unplaced, 720, 360), None);
         // Texels on whole degrees, described as points: half a texel more on all sides.
         let mut grid = tags([0.5, 0.5], [0.0, 0.0, -180.0, 90.0]);
         grid.keys.push((RASTER_TYPE, RASTER_POINT));

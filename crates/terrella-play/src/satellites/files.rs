@@ -24,9 +24,12 @@ pub(super) fn open(
     let check = |format| check_source(scene, index, orbit, file, format);
     let (tracked, faults, faults_left_out, is_new) = match orbit.source {
         OrbitSource::Tle | OrbitSource::Omm => {
+            let mut read = files.catalogue(file, orbit.strict)?;
             // Without a name the only satellite is meant, and a bad record may be another one.
-            let is_strict = orbit.strict || name.is_none();
-            let read = files.catalogue(file, is_strict)?;
+            let is_fault = |fault: &OrbitError| !fault.is_notice();
+            if name.is_none() && read.content.faults.iter().any(is_fault) {
+                read = files.catalogue(file, true)?;
+            }
             let catalogue = &read.content;
             check(catalogue.format)?;
             let feed = catalogue.one(file, name)?;

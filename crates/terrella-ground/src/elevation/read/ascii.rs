@@ -36,6 +36,9 @@ const KEYS: [&str; 11] = [
     "nodata",
 ];
 
+/// What editors write before text in UTF-8.
+const BYTE_ORDER_MARK: char = '\u{feff}';
+
 /// A file whose header has been read.
 pub(super) struct Ascii<R: BufRead + Seek> {
     reader: R,
@@ -48,9 +51,9 @@ pub(super) struct Ascii<R: BufRead + Seek> {
 
 /// Whether a file that begins so is one.
 pub(super) fn begins(bytes: &[u8]) -> bool {
-    let text = String::from_utf8_lossy(bytes)
-        .trim_start()
-        .to_ascii_lowercase();
+    let text = String::from_utf8_lossy(bytes);
+    let text = text.trim_start_matches(BYTE_ORDER_MARK);
+    let text = text.trim_start().to_ascii_lowercase();
     let keys = [
         "ncols", "nrows", "xll", "yll", "cellsiz", "nodata", "dx ", "dy ",
     ];
@@ -186,7 +189,7 @@ fn read_header<R: BufRead + Seek>(
             .read_until(b'\n', &mut text);
         let bytes = read.map_err(|error| context.reading(error))?;
         let text = String::from_utf8_lossy(&text).into_owned();
-        let mut words = text.split_whitespace();
+        let mut words = text.trim_start_matches(BYTE_ORDER_MARK).split_whitespace();
         let key = words.next().unwrap_or_default().to_ascii_lowercase();
         if bytes == 0 || (!key.is_empty() && !KEYS.contains(&key.as_str())) {
             let is_number = key.parse::<f64>().is_ok();

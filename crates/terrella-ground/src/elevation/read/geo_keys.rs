@@ -42,7 +42,10 @@ impl HeightTags {
         rows: u32,
         context: &FileContext,
     ) -> Result<Option<FilePlacement>, HeightFileError> {
-        let affine = self.affine(context)?;
+        let affine = match self.geo.is_unplaced() {
+            true => None,
+            false => self.affine(context)?,
+        };
         let Some([left, top, right_step, down_step]) = affine else {
             if !self.geo.keys.is_empty() && self.geo.key(MODEL_TYPE).is_some_and(|model| model != 2)
             {

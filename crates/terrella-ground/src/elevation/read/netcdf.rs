@@ -161,6 +161,12 @@ impl<R: BufRead + Seek> NetCdf<R> {
         Ok((file, header))
     }
 
+    /// Bytes of a stored value.
+    #[cfg(test)]
+    pub fn value_bytes(&self) -> usize {
+        self.kind.bytes()
+    }
+
     /// Rows of a chunk.
     pub fn chunk_rows(&self) -> usize {
         self.values.chunk_rows()

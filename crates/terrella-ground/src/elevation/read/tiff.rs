@@ -187,7 +187,9 @@ impl<R: BufRead + Seek> Tiff<R> {
         let of_chunks = self.chunks.working_bytes(chunk);
         let of_places = across * down * 17 * u64::from(self.bands.count);
         let of_row = self.columns as u64 * 5 + (1 << 20);
-        2 * chunk + of_places + of_row + of_mask + of_chunks + of_alpha
+        // Whole numbers of 64 bits become floats as wide.
+        let of_floats = if self.bands.bits == 64 { chunk } else { 0 };
+        2 * chunk + of_floats + of_places + of_row + of_mask + of_chunks + of_alpha
     }
 
     /// What is to be said of the choice of a band.
@@ -275,9 +277,14 @@ impl<R: BufRead + Seek> Tiff<R> {
                 DecodingResult::I32(all) => of.convert_rows(all, conversion, row, &mut put_row),
                 DecodingResult::F32(all) => of.convert_rows(all, conversion, row, &mut put_row),
                 DecodingResult::F64(all) => of.convert_rows(all, conversion, row, &mut put_row),
-                _ => {
-                    let cause = "holds whole numbers of 64 bits or floats of 16";
-                    return Err(unsupported(context, cause.to_string()).into());
+                DecodingResult::F16(all) => of.convert_rows(all, conversion, row, &mut put_row),
+                DecodingResult::U64(all) => {
+                    let all: Vec<_> = all.iter().map(|value| *value as f64).collect();
+                    of.convert_rows(&all, conversion, row, &mut put_row)
+                }
+                DecodingResult::I64(all) => {
+                    let all: Vec<_> = all.iter().map(|value| *value as f64).collect();
+                    of.convert_rows(&all, conversion, row, &mut put_row)
                 }
             }?;
             if !is_whole {
@@ -308,14 +315,14 @@ impl<R: BufRead + Seek> Tiff<R> {
             return Ok(None);
         };
         if !self.chunks.is_planar() {
-            return Ok(opaque(heights, self.stride, usize::from(alpha)));
+            return Ok(Some(opaque(heights, self.stride, usize::from(alpha))));
         }
         let index = self.index(number, alpha);
         let is_absent = |absent: &Vec<bool>| absent.get(index).is_some_and(|absent| *absent);
         if self.absent.as_ref().is_some_and(is_absent) {
             return Ok(Some(vec![false; size.0 * size.1]));
         }
-        Ok(opaque(&self.chunk(index, size, context)?, 1, 0))
+        Ok(Some(opaque(&self.chunk(index, size, context)?, 1, 0)))
     }
 
     /// Decodes a strip or tile, of which so many columns and rows lie in the image.
@@ -422,7 +429,7 @@ impl Samples {
 fn unsupported(context: &FileContext, cause: String) -> HeightFileError {
     context.rejected(
         cause,
-        "bands of whole numbers of 8 to 32 bits or of floats of 32 or 64, uncompressed or by LZW, deflate, PackBits, ZSTD, LERC or JPEG",
+        "bands of whole numbers of 8 to 64 bits or of floats of 16 to 64, uncompressed or by LZW, deflate, PackBits, ZSTD, LERC or JPEG",
         format!(
             "`gdal_translate -b 1 -ot Float32 -co COMPRESS=DEFLATE {} OUT.tif`",
             context.path().display()

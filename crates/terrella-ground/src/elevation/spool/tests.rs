@@ -360,7 +360,11 @@ fn many_files_are_looked_at_in_seconds() {
     let placements: Vec<_> = needs.iter().map(|needs| &needs.place).collect();
     let joins = Joins::of(&placements);
     let took = start.elapsed();
-    // Five in a release build. Were each compared with each, it would be many times more.
+    println!(
+        "10 000 files of a degree opened in {:.1} s",
+        took.as_secs_f64()
+    );
+    // Were each compared with each, it would be many times more.
     assert!(took.as_secs_f64() < 20.0, "{took:?}");
     assert_eq!((files.len(), joins.len()), (10_000, 10_000));
     // In the middle of all, on a seam, the upper one answers alone.

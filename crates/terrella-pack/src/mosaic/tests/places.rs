@@ -220,3 +220,51 @@ fn parts_that_touch_leave_no_line() {
         }
     }
 }
+
+/// What warping costs: the texels of a part in UTM against those of the same part in degrees. On a quiet machine, alone.
+#[test]
+#[ignore = "prints times"]
+fn print_warp_cost() {
+    let folder = Folder::new();
+    let side = 3000;
+    let picture = png(side, side, |x, y| {
+        [(x % 251) as u8, (y % 241) as u8, (x * y % 239) as u8]
+    });
+    let system = String::from_utf8_lossy(UTM).replace(
+        "UNIT[\"metre\",1]]",
+        "UNIT[\"metre\",1],AUTHORITY[\"EPSG\",\"32633\"]]",
+    );
+    folder.put("metres.png", &picture);
+    folder.put("metres.pgw", b"100\n0\n0\n-100\n350050\n5349950\n");
+    folder.put("metres.prj", system.as_bytes());
+    folder.put("degrees.png", &picture);
+    folder.put("degrees.pgw", b"0.001\n0\n0\n-0.001\n13.0005\n48.2995\n");
+    let limits = SourceLimits {
+        buffer_bytes: 256 << 20,
+    };
+    let time = |name: &str| {
+        let path = folder.0.path().join(name);
+        let (_, turn) = georeference::place_of(&path, Stated::default(), (side, side)).expect(name);
+        let start = std::time::Instant::now();
+        let stored = crate::source::open_extent(&path, limits, crate::source::Extent::Piece);
+        let context = FileContext::new(&path);
+        let mut rows = turn
+            .of(stored.expect(name), false, &context, limits)
+            .expect(name);
+        let info = rows.info();
+        let mut row = vec![0; info.row_bytes()];
+        for _ in 0..info.height {
+            rows.next_row(&mut row).expect("a row");
+        }
+        let texels = f64::from(info.width) * f64::from(info.height);
+        start.elapsed().as_secs_f64() / texels
+    };
+    let mut ratios: Vec<_> = (0..9)
+        .map(|_| time("metres.png") / time("degrees.png"))
+        .collect();
+    ratios.sort_by(f64::total_cmp);
+    println!(
+        "a part in UTM takes {:.2} times as long as one in degrees",
+        ratios[4]
+    );
+}

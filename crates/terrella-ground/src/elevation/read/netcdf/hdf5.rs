@@ -31,6 +31,9 @@ use std::io::{Read, Seek, SeekFrom};
 /// What the class of a dimension scale is.
 const SCALE: &str = "DIMENSION_SCALE";
 
+/// What NetCDF-4 calls the scale of a dimension without coordinates, before its length.
+const NO_VARIABLE: &str = "This is a netCDF dimension but not a netCDF variable";
+
 /// What NetCDF-4 puts before the name of a variable that is called as a dimension and is not its scale.
 const NOT_A_SCALE: &str = "_nc4_non_coord_";
 
@@ -72,6 +75,10 @@ fn read<R: Read + Seek>(reader: &mut R) -> Result<Contents, Fault> {
     }
     let mut variables = Vec::new();
     for (member, object, space, of_set) in sets {
+        let name = super::variable::text(&of_set.attributes, "NAME");
+        if name.is_some_and(|name| name.starts_with(NO_VARIABLE)) {
+            continue;
+        }
         let Some(datatype) = object.one(kind::DATATYPE) else {
             continue;
         };

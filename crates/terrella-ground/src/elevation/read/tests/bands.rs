@@ -154,3 +154,35 @@ fn samples_of_10_and_12_bits_are_read() {
         assert!(back.contains("FillOrder 2"), "{back}");
     }
 }
+
+#[test]
+fn whole_numbers_of_64_bits_and_floats_of_16_are_read() {
+    let height = |n: u32| f64::from(n) * 64.0 - 512.0;
+    let signed = (0..24).flat_map(|n| (height(n) as i64).to_le_bytes());
+    // IEEE 754: 64 n − 512 by its powers of two.
+    let half = |value: f64| match value {
+        0.0 => 0_u16,
+        value => {
+            let exponent = value.abs().log2().floor();
+            let mantissa = ((value.abs() / exponent.exp2() - 1.0) * 1024.0) as u16;
+            u16::from(value < 0.0) << 15 | ((exponent + 15.0) as u16) << 10 | mantissa
+        }
+    };
+    let halves = (0..24).flat_map(|n| half(height(n)).to_le_bytes());
+    let unsigned = (0..24_u64).flat_map(|n| (n * 64).to_le_bytes());
+    for (bits, format, bytes, offset_m) in [
+        (64, 2, signed.collect::<Vec<u8>>(), 0.0),
+        (64, 1, unsigned.collect(), 512.0),
+        (16, 3, halves.collect(), 0.0),
+    ] {
+        let file = read(Plain::new().samples(bits, format, bytes).bytes(), "");
+        let file = file.unwrap_or_else(|error| panic!("{bits} {format}: {error}"));
+        for n in 0..24 {
+            let got = height_m(&file, n);
+            assert!(
+                (got - offset_m - height(n)).abs() < 1e-6,
+                "{bits} {format} {n}: {got}"
+            );
+        }
+    }
+}

@@ -191,7 +191,8 @@ fn ascii_grids_are_read() {
         .replace("xllcorner 10", "XLLCENTER 10.5")
         .replace("yllcorner 46", "yllcenter 46.5");
     let two = GRID.replace("cellsize 1", "dx 1.0\ndy 1");
-    for head in [GRID, &centre, &two] {
+    let marked = format!("\u{feff}{GRID}");
+    for head in [GRID, &centre, &two, &marked] {
         let file = read_as(
             "g.asc",
             (head.to_owned() + &numbers()).into_bytes(),

@@ -381,7 +381,8 @@ fn other_dimensions_of_length_1_are_skipped() {
     }
 }
 
-/// `netcdf4_times_i16.nc`: netCDF4, variables of 16 × 32 of the plane over `time` (no limit, length 1) and more, as the names say.
+/// `netcdf4_times_i16.nc`: netCDF4, variables of 16 × 32 of the plane over `time` (no limit, length 1) and more, as the names say; `bare`
+/// over dimensions without coordinates.
 #[test]
 fn netcdf_4_of_one_time_is_read() {
     let bytes = std::fs::read(data("netcdf4_times_i16.nc")).expect("a file");
@@ -390,6 +391,37 @@ fn netcdf_4_of_one_time_is_read() {
         let file = file.unwrap_or_else(|error| panic!("{name}: {error}"));
         holds(&file, (40.0, 178.0), 0.25, (32, 16), plane);
     }
+    // Dimensions without coordinates have no place.
+    let bare = "variable = \"bare\"\nunit = \"metres\"\nregistration = \"posts\"\n\
+                bounds = { south_deg = 36.25, north_deg = 40, west_deg = 178, east_deg = 185.75 }";
+    let file = read(bytes.clone(), bare).unwrap_or_else(|error| panic!("bare: {error}"));
+    holds(&file, (40.0, 178.0), 0.25, (32, 16), plane);
     let said = said(bytes, "variable = \"months\"");
     assert!(said.contains("has no variable \"months\""), "{said}");
+}
+
+/// How fast the file is read that `TERRELLA_NETCDF` names: its values as they are stored, by the time of one thread.
+#[test]
+#[ignore = "prints a time"]
+fn print_reading_speed() {
+    let path = PathBuf::from(std::env::var_os("TERRELLA_NETCDF").expect("TERRELLA_NETCDF"));
+    for _ in 0..3 {
+        let reader = HeightReader::open(&path).expect("a file");
+        let (columns, rows) = reader.size();
+        let Decoder::NetCdf(file) = &reader.decoder else {
+            panic!("no NetCDF");
+        };
+        let bytes = u64::from(columns) * u64::from(rows) * file.value_bytes() as u64;
+        let conversion = reader.conversion().expect("metres");
+        let start = cpu_time::ThreadTime::now();
+        let mut sum = 0.0;
+        reader
+            .read(&conversion, |_, _, heights_m: &mut [f32]| {
+                sum += f64::from(heights_m[0]);
+                Ok::<_, HeightFileError>(())
+            })
+            .expect("heights");
+        let megabytes_a_second = bytes as f64 / 1e6 / start.elapsed().as_secs_f64();
+        println!("{columns} x {rows} heights read at {megabytes_a_second:.0} MB/s ({sum:.0})");
+    }
 }

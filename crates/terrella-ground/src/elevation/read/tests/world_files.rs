@@ -38,6 +38,15 @@ fn a_world_file_places_what_has_no_tags() {
         // It is among the files of the scene.
         assert!(height_files(&path).contains(&path.with_extension(ending)));
     }
+    // Pixels at their own numbers, as libraries write what has no place.
+    let mut identity = [0.0; 16];
+    for n in [0, 5, 15] {
+        identity[n] = 1.0;
+    }
+    let unplaced = Plain::new().without(33_550).without(33_922);
+    let unplaced = unplaced.without(34_735).with(34_264, doubles(&identity));
+    let (_folder, path) = folder(unplaced.bytes(), &[METRES, ("tfw", DEGREES)]);
+    assert!((height_m(&path, 46.5, 15.5) - 2300.0).abs() < 1e-6);
     // The southern row first.
     let (_folder, path) = folder(bare(), &[METRES, ("tfw", "1 0 0 1 10.5 46.5")]);
     assert!((height_m(&path, 49.5, 10.5) - 1800.0).abs() < 1e-6);

@@ -104,24 +104,28 @@ impl Bands {
 }
 
 /// Where a sample of each pixel is not 0, of so many samples from `offset` on.
-pub(super) fn opaque(chunk: &DecodingResult, stride: usize, offset: usize) -> Option<Vec<bool>> {
-    macro_rules! opaque {
-        ($values:expr, $zero:expr) => {
-            $values
-                .chunks_exact(stride)
-                .map(|pixel| pixel.get(offset) != Some(&$zero))
-                .collect()
-        };
+pub(super) fn opaque(chunk: &DecodingResult, stride: usize, offset: usize) -> Vec<bool> {
+    fn of<T: Copy>(
+        values: &[T],
+        (stride, offset): (usize, usize),
+        is_zero: impl Fn(T) -> bool,
+    ) -> Vec<bool> {
+        let pixels = values.chunks_exact(stride);
+        let alphas = pixels.map(|pixel| pixel.get(offset).is_none_or(|alpha| !is_zero(*alpha)));
+        alphas.collect()
     }
-    Some(match chunk {
-        DecodingResult::U8(values) => opaque!(values, 0),
-        DecodingResult::I8(values) => opaque!(values, 0),
-        DecodingResult::U16(values) => opaque!(values, 0),
-        DecodingResult::I16(values) => opaque!(values, 0),
-        DecodingResult::U32(values) => opaque!(values, 0),
-        DecodingResult::I32(values) => opaque!(values, 0),
-        DecodingResult::F32(values) => opaque!(values, 0.0),
-        DecodingResult::F64(values) => opaque!(values, 0.0),
-        _ => return None,
-    })
+    let place = (stride, offset);
+    match chunk {
+        DecodingResult::U8(values) => of(values, place, |alpha| alpha == 0),
+        DecodingResult::I8(values) => of(values, place, |alpha| alpha == 0),
+        DecodingResult::U16(values) => of(values, place, |alpha| alpha == 0),
+        DecodingResult::I16(values) => of(values, place, |alpha| alpha == 0),
+        DecodingResult::U32(values) => of(values, place, |alpha| alpha == 0),
+        DecodingResult::I32(values) => of(values, place, |alpha| alpha == 0),
+        DecodingResult::U64(values) => of(values, place, |alpha| alpha == 0),
+        DecodingResult::I64(values) => of(values, place, |alpha| alpha == 0),
+        DecodingResult::F16(values) => of(values, place, |alpha| f64::from(alpha) == 0.0),
+        DecodingResult::F32(values) => of(values, place, |alpha| alpha == 0.0),
+        DecodingResult::F64(values) => of(values, place, |alpha| alpha == 0.0),
+    }
 }
