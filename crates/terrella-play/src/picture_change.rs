@@ -62,7 +62,7 @@ pub struct ReadyPicture {
 
 /// How much of a picture has been made.
 pub enum ReadyKind {
-    Tracks(Option<TracksLayer>, Option<CoverageLegend>),
+    Tracks(Box<Option<TracksLayer>>, Option<CoverageLegend>),
     Whole(Box<ReadyWhole>),
 }
 
@@ -101,7 +101,10 @@ impl PictureOrder {
                 let tracks = TracksLayer::with_options(&scene, flight, &gpu, &options, format)?;
                 let tracks = tracks
                     .map(|mut tracks| tracks.show_parts(shown_tracks(&switches)).map(|()| tracks));
-                ReadyKind::Tracks(tracks.transpose()?, coverage_legend(&scene, flight)?)
+                ReadyKind::Tracks(
+                    Box::new(tracks.transpose()?),
+                    coverage_legend(&scene, flight)?,
+                )
             }
             OrderKind::Whole(whole) => {
                 let made = whole.make(flight, &scene, &switches, gpu, format)?;

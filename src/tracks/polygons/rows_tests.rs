@@ -93,7 +93,7 @@ fn cells_cover_the_area_of_their_rows() {
 /// with the same ends, and is hard; those around all are soft.
 #[test]
 fn rows_meet_without_gaps_and_seams() {
-    let by = |period: usize| move |index: usize| Some(usize::from(index % period == 0));
+    let by = |period: usize| move |index: usize| Some(usize::from(index.is_multiple_of(period)));
     let rows: Vec<_> = [7, 11, 5]
         .into_iter()
         .enumerate()

@@ -122,10 +122,7 @@ impl SceneText<'_> {
             );
             return Err(self.reject(&field, advice));
         }
-        field.note(Ok(format!(
-            "[{}]",
-            region.map(|edge| number_text(edge)).join(", ")
-        )));
+        field.note(Ok(format!("[{}]", region.map(number_text).join(", "))));
         Ok(region)
     }
 }

@@ -135,7 +135,7 @@ impl WindowRenderer {
         } = ready;
         match what {
             ReadyKind::Tracks(tracks, legend) => {
-                self.painter.adopt_tracks(tracks, legend);
+                self.painter.adopt_tracks(*tracks, legend);
                 let sky = switches.is_on(Layer::Sky);
                 self.painter.show_parts(sky, shown_tracks(&switches))?;
                 // The Earth may have other samples by now.
