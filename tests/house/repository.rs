@@ -147,11 +147,11 @@ impl Repository {
         let sizes: Vec<_> = paths
             .split('\0')
             .filter(|path| !path.is_empty())
-            // A tracked file may be deleted in the working tree: then it has no size any more.
+            // A tracked file may be deleted in the working tree: then it has no size any more. A link is as long as its path.
             .filter_map(|path| {
                 Some((
                     path.to_string(),
-                    fs::metadata(self.root.join(path)).ok()?.len(),
+                    fs::symlink_metadata(self.root.join(path)).ok()?.len(),
                 ))
             })
             .collect();
