@@ -174,13 +174,13 @@ impl Row {
     /// The triangles of a run between the corners on both its parallels; `beside` are the runs south and north of this row.
     fn triangles(&self, at: usize, beside: [&[Run]; 2], step_rad: f64) -> Vec<PlaneTriangle> {
         let run = self.runs[at];
+        let beside = beside.map(|runs| touching(runs, run.west, run.east));
         let [south, north] =
             [0, 1].map(|side| corners(run, beside[side], self.lat[side], step_rad));
         let is_edge = |side: usize, west: f64, east: f64| {
             let middle = 0.5 * (west + east);
-            let is_there = |other: &Run| other.west < middle && middle < other.east;
             let is_pole = FRAC_PI_2 - self.lat[side].abs() < SAME_RAD;
-            !is_pole && !beside[side].iter().any(is_there)
+            !is_pole && touching(beside[side], middle, middle).is_empty()
         };
         // A row that goes all around the Earth meets itself.
         let around = |from: f64, to: f64| {
@@ -239,6 +239,13 @@ impl Row {
         }
         triangles
     }
+}
+
+/// Those of a row's runs that reach into an interval.
+fn touching(runs: &[Run], west: f64, east: f64) -> &[Run] {
+    let first = runs.partition_point(|run| run.east <= west);
+    let runs = &runs[first..];
+    &runs[..runs.partition_point(|run| run.west <= east)]
 }
 
 /// The meridians of a run's corners on a parallel: its own ends, in between those of the runs on both sides of the parallel, and enough others
