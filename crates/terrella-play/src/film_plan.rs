@@ -30,6 +30,7 @@ pub struct FilmSource {
     has_stations: bool,
     /// Whether the camera can be set: it has no keys and looks at nothing.
     has_free_camera: bool,
+    has_unnamed_satellite: bool,
     mode: CameraMode,
     switches: Switches,
 }
@@ -73,6 +74,7 @@ impl FilmSource {
             has_free_camera: camera.keys.is_empty()
                 && camera.look_at.is_none()
                 && scene.sensor.is_none(),
+            has_unnamed_satellite: scene.has_unnamed_satellite(),
             mode: camera.mode,
             switches: Switches::of(scene),
         })
@@ -257,7 +259,7 @@ fn camera_settings(source: &FilmSource, shown: &FilmView<'_>) -> Vec<Setting> {
                 return Vec::new();
             };
             let number = |key, value| Setting::new("camera", key, float(value));
-            vec![
+            let mut settings = vec![
                 mode("geodetic"),
                 number("lat_deg", place.lat_deg),
                 number("lon_deg", place.lon_deg),
@@ -266,7 +268,11 @@ fn camera_settings(source: &FilmSource, shown: &FilmView<'_>) -> Vec<Setting> {
                 number("pitch_deg", place.pitch_deg),
                 number("roll_deg", place.roll_deg),
                 number("fov_deg", shown.fov_rad.to_degrees()),
-            ]
+            ];
+            if source.has_unnamed_satellite {
+                settings.push(Setting::new("orbit", "source", toml::Value::from("tle")));
+            }
+            settings
         }
         Some(FreeEye::Follow(_)) => vec![mode("chase")],
         None if shown.mode == source.mode => Vec::new(),

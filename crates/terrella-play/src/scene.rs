@@ -264,6 +264,18 @@ impl Scene {
         &self.settings
     }
 
+    /// Whether its one satellite is the built-in space station, of which the file says nothing: a geodetic camera would go without it.
+    pub fn has_unnamed_satellite(&self) -> bool {
+        let [orbit] = &*self.orbits else {
+            return false;
+        };
+        let is_given = self
+            .orbit_records
+            .iter()
+            .any(|one| one.first_line().is_some());
+        orbit.source == OrbitSource::Tle && orbit.file.is_none() && !is_given
+    }
+
     /// Whether a key was set in place of the file's.
     fn is_set(&self, table: &str, key: &str) -> bool {
         self.settings
