@@ -214,6 +214,11 @@ impl Session {
         image::open(path).expect("a picture").to_rgb8()
     }
 
+    /// Saves pictures until one is as it should be: what keys switch on is made by a thread.
+    fn await_picture(&mut self, what: &str, mut is_so: impl FnMut(&image::RgbImage) -> bool) {
+        wait_for(what, || is_so(&self.picture()));
+    }
+
     fn click(&mut self) {
         self.hand.button(LEFT, true);
         self.hand.button(LEFT, false);
@@ -306,16 +311,14 @@ fn layers_that_are_off_are_made_by_their_keys_and_hidden_again() {
         (b'k', 8000, 2),
     ] {
         session.hand.press(key);
-        pause();
-        let changed = session.picture();
-        let count = differing(&bare, &changed);
-        assert!(count > least, "{}: {count} pixels", char::from(key));
+        let what = format!("the layer of {}", char::from(key));
+        session.await_picture(&what, |changed| differing(&bare, changed) > least);
         for _ in 1..presses {
             session.hand.press(key);
             pause();
         }
-        let again = session.picture();
-        assert_eq!(differing(&bare, &again), 0, "{}", char::from(key));
+        let what = format!("the picture before {}", char::from(key));
+        session.await_picture(&what, |again| differing(&bare, again) == 0);
     }
 }
 

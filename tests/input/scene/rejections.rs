@@ -12,7 +12,7 @@ const BAD: &[Bad] = &[
     ("[camera]\nspeed = 45", 2, &["[camera] speed:", "belongs in [time]"]),
     ("[output]\nqwxz = 1", 2, &["[output] qwxz: unknown key.", "[output] has size, samples"]),
     ("[time]\n\n[camra]\nmode = \"nadir\"", 3, &["[camra]:", "did you mean [camera]?"]),
-    ("[weather]\nrain = true", 1, &["[weather]: unknown table", "[time], [orbit], [tracks], [station], [layers], [geojson], [camera], [sensor], [earth], [sky], [lens], [caption], [output]"]),
+    ("[weather]\nrain = true", 1, &["[weather]: unknown table", "[time], [orbit], [tracks], [station], [layers], [geojson], [coverage], [camera], [sensor], [earth], [sky], [lens], [caption], [output]"]),
     ("fov_deg = 45\n[time]", 1, &["fov_deg:", "outside its table", "[camera]"]),
     ("cloud = false", 1, &["cloud: unknown key", "did you mean clouds in [earth]?"]),
     // By what they mean, where no known name is alike.

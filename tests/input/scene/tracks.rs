@@ -67,6 +67,7 @@ fn a_satellite_s_own_key_goes_before_that_of_all() {
             field: Some(FieldOfView::nadir(30_f64.to_radians())),
             ..Footprint::default()
         }),
+        sensor: Some(FieldOfView::nadir(30_f64.to_radians())),
         ..Track::default()
     };
     assert_eq!(tracks[0], common);
