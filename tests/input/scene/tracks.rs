@@ -78,6 +78,8 @@ fn a_satellite_s_own_key_goes_before_that_of_all() {
                 before_min: 10.0,
                 after_min: 2.5
             }),
+            // It counts for maps of coverage.
+            sensor: common.sensor,
             ..Track::default()
         }
     );
