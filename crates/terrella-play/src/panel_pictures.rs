@@ -36,56 +36,113 @@ struct Window {
     output: egui::FullOutput,
 }
 
-fn window((width, height, scale): (u32, u32, f32)) -> Window {
-    let text = "[time]\nstart = \"2018-01-15T12:00:00Z\"\nduration_s = 21600\n[camera]\nmode = \"nadir\"\n[orbit]\n";
-    let scene = Scene::from_toml(text, Path::new("test.toml")).expect("a good scene");
-    let flight = Flight::open(scene).expect("opens");
-    let mut controls = Controls::new(&flight);
-    controls.map_scale = true;
-    controls.message = Some("saved terrella-2018-01-15T12-00-00.000Z.png".to_owned());
-    controls.read_out = Some(ReadOut {
-        title: "Place".to_owned(),
-        rows: vec![
-            ("position", "48.2000° N, 16.4000° E".to_owned()),
-            ("altitude", "0 m".to_owned()),
-            ("solar time", "13:05 (apparent)".to_owned()),
-        ],
-        at: None,
-        passes_over_deg: Some([48.2, 16.4]),
-    });
-    controls.clock.seek(0.3);
-    controls.line.find_light(&flight, &controls.clock);
-    let moment = flight.view_at(controls.clock.now(), &controls.request(16.0 / 9.0));
-    let moment = moment.expect("known");
-    let data = PanelData {
-        satellite: Some("ISS (ZARYA)"),
-        moment: &moment,
-        ellipsoid: *flight.ellipsoid(),
-        stats: FrameStats::default(),
-        has_tiles: false,
-        adaptive: None,
-        interval_ms: Some(16.7),
-        work_ms: 3.2,
-        adapter: "test",
-    };
-    let context = Context::default();
-    theme::apply(&context);
-    let size = egui::vec2(width as f32, height as f32) / scale;
-    let mut output = egui::FullOutput::default();
-    // An egui window knows its size after one layout pass, and is opaque after a fraction of a second.
-    for second in 0..3 {
+/// The panel with all open that may be open at a time, frame by frame.
+struct Panel {
+    flight: Flight,
+    controls: Controls,
+    context: Context,
+    /// Points.
+    size: egui::Vec2,
+    /// Pixels per point.
+    scale: f32,
+}
+
+impl Panel {
+    fn new((width, height, scale): (u32, u32, f32)) -> Self {
+        let text = "[time]\nstart = \"2018-01-15T12:00:00Z\"\nduration_s = 21600\n[camera]\nmode = \"nadir\"\n[orbit]\n";
+        let scene = Scene::from_toml(text, Path::new("test.toml")).expect("a good scene");
+        let flight = Flight::open(scene).expect("opens");
+        let mut controls = Controls::new(&flight);
+        controls.map_scale = true;
+        controls.message = Some("saved terrella-2018-01-15T12-00-00.000Z.png".to_owned());
+        controls.read_out = Some(ReadOut {
+            title: "Place".to_owned(),
+            rows: vec![
+                ("position", "48.2000° N, 16.4000° E".to_owned()),
+                ("altitude", "0 m".to_owned()),
+                ("solar time", "13:05 (apparent)".to_owned()),
+            ],
+            at: None,
+            passes_over_deg: Some([48.2, 16.4]),
+        });
+        controls.clock.seek(0.3);
+        controls.line.find_light(&flight, &controls.clock);
+        let context = Context::default();
+        theme::apply(&context);
+        Self {
+            flight,
+            controls,
+            context,
+            size: egui::vec2(width as f32, height as f32) / scale,
+            scale,
+        }
+    }
+
+    fn frame(&self, time_s: f64) -> egui::FullOutput {
+        let request = self.controls.request(16.0 / 9.0);
+        let moment = self.flight.view_at(self.controls.clock.now(), &request);
+        let data = PanelData {
+            satellite: Some("ISS (ZARYA)"),
+            moment: &moment.expect("known"),
+            ellipsoid: *self.flight.ellipsoid(),
+            stats: FrameStats::default(),
+            has_tiles: false,
+            adaptive: None,
+            interval_ms: Some(16.7),
+            work_ms: 3.2,
+            adapter: "test",
+        };
         let mut input = RawInput {
-            time: Some(f64::from(second)),
-            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, size)),
+            time: Some(time_s),
+            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, self.size)),
             ..RawInput::default()
         };
         let viewport = input.viewports.entry(egui::ViewportId::ROOT).or_default();
-        viewport.native_pixels_per_point = Some(scale);
-        output.append(context.run_ui(input, |ui| {
-            show(ui.ctx(), &controls, &data);
-        }));
+        viewport.native_pixels_per_point = Some(self.scale);
+        self.context.run_ui(input, |ui| {
+            show(ui.ctx(), &self.controls, &data);
+        })
     }
-    Window { context, output }
+}
+
+/// A panel that has settled: an egui window knows its size after one layout pass, and is opaque after a fraction of a second.
+fn window(size: (u32, u32, f32)) -> Window {
+    let panel = Panel::new(size);
+    let mut output = egui::FullOutput::default();
+    for second in 0..3 {
+        output.append(panel.frame(f64::from(second)));
+    }
+    Window {
+        context: panel.context,
+        output,
+    }
+}
+
+/// What the interface takes of a frame: its layout and its triangles, without drawing.
+///
+/// `cargo test --release -p terrella-play --features window print_interface -- --ignored --nocapture`
+#[test]
+#[ignore = "measures"]
+fn print_interface_times() {
+    for size in SIZES {
+        let panel = Panel::new(size);
+        let mut times = Vec::new();
+        for frame in 0..300 {
+            let began = std::time::Instant::now();
+            let mut output = panel.frame(f64::from(frame) / 60.0);
+            let triangles = panel
+                .context
+                .tessellate(output.shapes, output.pixels_per_point);
+            times.push(began.elapsed().as_secs_f64() * 1e3);
+            assert!(!std::hint::black_box(triangles).is_empty());
+            output.textures_delta.clear();
+        }
+        // The first frames make letters.
+        times.drain(..50);
+        times.sort_by(f64::total_cmp);
+        let [median, high] = [times[times.len() / 2], times[times.len() * 99 / 100]];
+        println!("{size:?}: {median:.3} ms median, {high:.3} ms p99");
+    }
 }
 
 #[test]
