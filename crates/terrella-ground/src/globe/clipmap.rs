@@ -123,7 +123,7 @@ pub struct Clipmap {
     levels: Vec<Level>,
     /// By level number, the finest data within the level's reach.
     found: Vec<Option<FinestData>>,
-    /// Level and buffer indices of what is drawn, near ones first.
+    /// Level and buffer indices of the drawn patches, near ones first.
     drawn: Vec<(usize, usize)>,
     /// First revision of the next new buffer.
     clock: u64,

@@ -63,7 +63,7 @@ impl Part {
     }
 }
 
-/// What a view sees of parts.
+/// Visibility of parts in a view.
 pub struct PartSight {
     ellipsoid: Ellipsoid,
     shell: GroundShell,

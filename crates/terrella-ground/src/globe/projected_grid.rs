@@ -64,7 +64,7 @@ pub enum SampleFootprint {
     Longer,
 }
 
-/// What samples stay fixed to when the eye moves.
+/// Reference to which samples are fixed when the eye moves.
 ///
 /// Measured with an eye at 2 km that turns by 0.1° a frame. Heights at fixed places change by 0.009 px a frame with the direction and by
 /// 0.015 px with the screen. A third way was worse than both: samples on the nearest node of a fixed lattice of latitude and longitude. Its
@@ -88,7 +88,7 @@ pub struct GridOptions {
     pub figure: Figure,
     /// Width of ground over which a height is averaged.
     pub footprint: SampleFootprint,
-    /// What samples stay fixed to.
+    /// Reference to which samples are fixed.
     pub anchor: Anchor,
     /// Whether the GPU computes the vertices, with heights from cached tiles. Otherwise the CPU computes them, and reads the heights again.
     ///

@@ -1,6 +1,6 @@
 //! Statistics of a terrain surface.
 
-/// What a surface did for a view.
+/// Counts and errors of a surface for a view.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SurfaceStats {
     /// Patches to draw.

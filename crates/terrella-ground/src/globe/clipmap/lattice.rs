@@ -125,7 +125,7 @@ pub struct DiamondCorner {
 }
 
 impl DiamondCorner {
-    /// The diamond's corner nearest to a point, the lower one of two as near.
+    /// The diamond's corner nearest to a point, the lower one if two are equally near.
     pub fn nearest(index: LatticeIndex, n: i64) -> Self {
         let corner = match (2 * index.i > n, 2 * index.j > n) {
             (false, false) => 0,

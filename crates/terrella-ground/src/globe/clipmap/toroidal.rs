@@ -53,7 +53,7 @@ pub struct ToroidalBuffer {
     /// The level's own samples; [`Patch::vertices`] are the drawn ones.
     own: Vec<GroundVertex>,
     pub patch: Patch,
-    /// A bit for each sample whose height has changed since it was read; empty where none has.
+    /// A bit for each sample whose height has changed since it was read; empty if none has.
     stale: Vec<u64>,
     /// A bit for each vertex that differs from the revision before.
     dirty: Vec<u64>,

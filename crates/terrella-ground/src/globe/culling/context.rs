@@ -34,7 +34,7 @@ impl NormalCone {
     };
 }
 
-/// What a view sees of a bound.
+/// Visibility of a bound in a view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BoundVisibility {
     /// The whole bound is inside the frustum.

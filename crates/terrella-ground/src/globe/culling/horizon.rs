@@ -1,4 +1,4 @@
-//! What the Earth itself hides: the horizon of ground between two heights, for any ellipsoid of revolution.
+//! Occlusion by the Earth itself: the horizon of ground between two heights, for any ellipsoid of revolution.
 //!
 //! All computations are in *scaled space*, (x/a, y/a, z/b): there the ellipsoid is the unit sphere, straight lines stay straight and
 //! tangents stay tangents. L is the eye's distance from the centre. ρ is the radius of a sphere below all ground (the *occluder*), R that

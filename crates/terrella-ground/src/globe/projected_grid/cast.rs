@@ -62,7 +62,7 @@ pub struct Foot {
 pub struct Caster {
     /// Semi-axes, metres.
     pub radii_m: DVec3,
-    /// 1 over each.
+    /// Reciprocals of the semi-axes.
     pub per_radius: DVec3,
     /// The eye's direction in scaled space, û.
     pub up: DVec3,
@@ -76,7 +76,7 @@ pub struct Caster {
     pub cos_limb: f64,
     /// θ of the base's limb.
     pub near_rad: f64,
-    /// θ of the farthest ground that can show.
+    /// θ of the farthest ground that can be visible.
     pub far_rad: f64,
     /// κ, radians.
     pub spread_rad: f64,

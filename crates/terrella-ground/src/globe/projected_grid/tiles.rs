@@ -1,8 +1,8 @@
 //! The pyramid of height tiles: the choice of level and tiles, and a bounded cache of them for the GPU form.
 //!
 //! Level l ≥ 1 has 2^l × 2^(l−1) tiles of latitude and longitude, each of 64 × 64 cells, 65 × 65 samples; neighbours share their edges.
-//! Samples per square radian: d_l = 4^(l−1) d₁. A region of area s (latitude × longitude, as in the paper) is loaded at level ⌊log₄(m/(d₁
-//! s)) + 1⌋. It then needs at most m samples.
+//! Samples per square radian: d_l = 4^(l−1) d₁. A region of area s (latitude × longitude, as in the paper) is loaded at level
+//! ⌊log₄(m/(d₁ s)) + 1⌋. It then needs at most m samples.
 //!
 //! The paper loads one level for the whole image, which is too coarse near the eye when the horizon is in view. The rule is therefore
 //! applied to nested windows. Level l is wanted where samples of the grid are close enough to need it. That window is cut about the closest

@@ -96,7 +96,7 @@ pub struct PageReader {
     heights_m: Vec<f64>,
     /// By smallest square, the largest difference between the data between the posts and the finest leaves.
     unseen_m: Vec<f64>,
-    /// By two steps each way: the range of the data.
+    /// Range of the data, one for two steps each way.
     ranges_m: Vec<HeightRange>,
     /// Whether the posts are close enough for the data to be smooth between them. If so, `unseen_m` is valid, else `ranges_m`.
     is_smooth: bool,
@@ -337,9 +337,9 @@ pub struct Ball {
 
 /// The ball about a node's ground, for heights between `low_m` and `high_m`.
 ///
-/// S(φ, λ) is the ground and b are the weights of a triangle's corners. The departure of the triangle from S is at most ½ Σ bᵢ |D²S[vᵢ −
-/// x]|. There |D²S[(p, q)]| ≤ R(p² + 2|pq sin φ| + q² cos φ), and Σ bᵢ p² is at most a quarter of the square of the triangle's extent: half
-/// the side one way, the side the other way. Heights on diverging normals add half their range times the divergence.
+/// S(φ, λ) is the ground and b are the weights of a triangle's corners. The departure of the triangle from S is at most
+/// ½ Σ bᵢ |D²S[vᵢ − x]|. There |D²S[(p, q)]| ≤ R(p² + 2|pq sin φ| + q² cos φ). Σ bᵢ p² is at most a quarter of the square of the
+/// triangle's extent: half the side one way, the side the other way. Heights on diverging normals add half their range times the divergence.
 pub fn ball(node: Node, ellipsoid: &Ellipsoid, low_m: f64, high_m: f64) -> Ball {
     let square = node.square(DEPTH);
     let at = |x: u64, y: u64| {

@@ -3,7 +3,7 @@
 use crate::globe::blocks::Block;
 use glam::DVec3;
 
-/// What all pages of a view share.
+/// Data that all pages of a view share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContourPageSet {
     /// Largest number of pages, drawn or not.
@@ -27,7 +27,7 @@ pub struct ContourPage<'a> {
     pub origin_itrf_m: DVec3,
     /// The page's tree, in the shader's layout.
     pub nodes: &'a [u8],
-    /// The prism that contains what is drawn: SW, SE, NW, NE below, then above, metres from the origin.
+    /// The prism that contains the drawn terrain: SW, SE, NW, NE below, then above, metres from the origin.
     pub corners_m: [DVec3; 8],
     /// Unit vectors east, north and up at the page's centre.
     pub axes: [DVec3; 3],

@@ -42,7 +42,7 @@ pub struct Page {
     pub origin_itrf_m: DVec3,
     /// Nodes of the page's tree of contours.
     pub nodes: Vec<ContourNode>,
-    /// The prism that contains what is drawn: SW, SE, NW, NE below, then above, metres from the origin.
+    /// The prism that contains the drawn terrain: SW, SE, NW, NE below, then above, metres from the origin.
     pub corners_m: [DVec3; 8],
     /// Unit vectors east, north and up at the page's centre.
     pub axes: [DVec3; 3],

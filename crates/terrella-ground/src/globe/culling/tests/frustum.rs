@@ -1,4 +1,4 @@
-//! What lies outside the view frustum.
+//! Tests of the view frustum.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! What lies behind the horizon, and the radii between which ground lies.
+//! Tests of the horizon, and of the radii that bound the ground.
 
 use super::*;
 

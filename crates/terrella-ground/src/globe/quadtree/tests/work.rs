@@ -23,7 +23,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use terrella_frames::{Ellipsoid, Geodetic};
 
-/// Of the tiles of `mountains`.
+/// Levels of the tiles of `mountains`.
 const LEVELS: u8 = 9;
 const SIDE: u32 = 128;
 
