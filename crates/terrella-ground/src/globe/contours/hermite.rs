@@ -47,7 +47,7 @@ pub fn restrict(a: &Corner, b: &Corner, steps: f64, t: f64, along_u: bool) -> Co
 /// rows `south_north` steps; 0 if there is none.
 ///
 /// Slopes are central differences, limited as by Fritsch and Carlson to three times the smaller of the two one-sided
-/// ones, and 0 at an extremum, so that a cliff or a spike does not ring.
+/// ones. They are 0 at an extremum, so that a cliff or a spike does not ring.
 pub fn estimate(heights: &[[f64; 3]; 3], west_east: [f64; 2], south_north: [f64; 2]) -> Corner {
     let slope = |z: [f64; 3], [left, right]: [f64; 2]| {
         if left + right == 0.0 {
