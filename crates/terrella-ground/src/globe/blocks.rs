@@ -11,7 +11,7 @@ pub const COLUMNS: u32 = 16;
 pub const ROWS: u32 = 8;
 pub const BLOCK_COUNT: u32 = COLUMNS * ROWS;
 
-/// Most cells per block edge.
+/// Largest number of cells per block edge.
 const FINEST: u32 = 48;
 
 /// Longitude and latitude span of a block: 22.5°, radians.
@@ -68,7 +68,7 @@ impl Block {
         )
     }
 
-    /// Which index list the block is drawn with.
+    /// The index list that the block is drawn with.
     pub fn kind(self) -> BlockRow {
         match self.row {
             0 => BlockRow::North,
@@ -82,7 +82,7 @@ impl Block {
 pub struct BlockSet(pub u128);
 
 impl BlockSet {
-    /// All 128.
+    /// All 128 blocks.
     pub const ALL: Self = Self(u128::MAX);
 
     /// Whether a block, by its index, is in the set.
@@ -102,7 +102,7 @@ impl BlockSet {
         self.0.count_ones()
     }
 
-    /// Whether there is none.
+    /// Whether the set is empty.
     pub fn is_empty(self) -> bool {
         self.0 == 0
     }
@@ -113,14 +113,14 @@ impl BlockSet {
 pub enum BlockRow {
     /// Touches the north pole.
     North,
-    /// Touches neither.
+    /// Touches no pole.
     Middle,
     /// Touches the south pole.
     South,
 }
 
-/// One row of cells as a band of planes in scaled space, all tilted alike: n_ρ·ρ cos Δλ + n_z·z > d where
-/// Δλ is measured from a cell's middle meridian.
+/// One row of cells as a band of planes in scaled space, all with the same tilt: n_ρ·ρ cos Δλ + n_z·z > d, where Δλ is measured from a
+/// cell's middle meridian.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FacetBand {
     pub n_rho: f64,
@@ -128,10 +128,10 @@ pub(super) struct FacetBand {
     pub d: f64,
 }
 
-/// The lattice in f64 with everything that choosing and drawing blocks needs.
+/// The lattice in f64, with everything needed to choose and draw blocks.
 ///
-/// Latitudes are geodetic, so that a cell's corners meet the texels of an equirectangular map; the paper's sphere is
-/// the case a = b. Vertices on shared edges, across ±180° too, are the same bits, and so are all at a pole.
+/// Latitudes are geodetic, so that a cell's corners meet the texels of an equirectangular map; the paper's sphere is the case a = b.
+/// Vertices on shared edges have identical bits, also across ±180°, and so do all vertices at a pole.
 pub struct BlockGrid {
     ellipsoid: Ellipsoid,
     subdivision: u32,
@@ -159,7 +159,7 @@ fn cos_sin(steps: i64, n: i64) -> DVec2 {
 }
 
 impl BlockGrid {
-    /// The lattice of `subdivision` × `subdivision` cells a block (1…48; the paper's is 6).
+    /// The lattice with `subdivision` × `subdivision` cells a block (1…48; the paper's is 6).
     pub fn new(ellipsoid: Ellipsoid, subdivision: u32) -> Result<Self, SubdivisionError> {
         if !(1..=FINEST).contains(&subdivision) {
             return Err(SubdivisionError(subdivision));
@@ -167,7 +167,7 @@ impl BlockGrid {
         Ok(Self::of_cells(ellipsoid, subdivision))
     }
 
-    /// The lattice with most cells.
+    /// The lattice with the largest number of cells.
     pub fn finest(ellipsoid: Ellipsoid) -> Self {
         Self::of_cells(ellipsoid, FINEST)
     }
@@ -240,7 +240,7 @@ impl BlockGrid {
         self.subdivision
     }
 
-    /// Latitude that a cell spans, radians; of longitude it is the same.
+    /// Latitude span of a cell, radians; its longitude span is the same.
     pub fn cell_rad(&self) -> f64 {
         SPAN_RAD / f64::from(self.subdivision)
     }
@@ -299,7 +299,8 @@ impl BlockGrid {
         out
     }
 
-    /// Appends the triangles of one cell, `i` from the west and `j` from the north, to such a list: two, and one at a pole.
+    /// Appends the triangles of one cell, `i` from the west and `j` from the north, to a list as [`Self::indices`] returns: two, or one at
+    /// a pole.
     pub fn push_cell(&self, kind: BlockRow, (i, j): (u32, u32), out: &mut Vec<u16>) {
         let n = self.subdivision;
         let at = |i: u32, j: u32| (j * (n + 1) + i) as u16;

@@ -1,38 +1,35 @@
-//! The clipmap on an icosahedron of the 2014 paper: nested squares of samples about the point below the eye, each twice as
-//! coarse as the one inside it, on a lattice of ten diamonds. No GPU here.
+//! The clipmap on an icosahedron of the 2014 paper: nested squares of samples about the point below the eye, each twice as coarse as the
+//! one inside it, on a lattice of ten diamonds. No GPU here.
 //!
-//! Level 0 is the whole globe, ten diamonds of `radius` × `radius` cells (`radius` = (samples − 1)/2: cells of about 110 km
-//! at the default); it is read once and only loses cells to level 1. Level ℓ ≥ 1 is a square of `samples` × `samples`
-//! points about the eye's ground point, with diamonds of `radius`·2^ℓ cells. So the finer levels and the rest of the globe
-//! are one closed surface:
+//! Level 0 is the whole globe, ten diamonds of `radius` × `radius` cells. `radius` is (samples − 1)/2: cells of about 110 km at the
+//! default. Level 0 is read once and only loses cells to level 1. Level ℓ ≥ 1 is a square of `samples` × `samples` points about the eye's
+//! ground point, with diamonds of `radius`·2^ℓ cells. The finer levels and the rest of the globe form one closed surface:
 //!
-//! * A level reaches what lies within `radius` steps of its middle, counted on the globe's own lattice. The middle is an even
-//!   point, so the border runs along the coarser lattice; there the level draws at half the rate, and its vertices are the
-//!   coarser level's to the last bit. Over the last quarter of the radius it turns into the coarser surface by degrees.
-//! * Where three diamonds meet instead of four, a corner of the square is missing and the two diamonds beside it touch;
-//!   about a pole five diamonds meet and there are two corners for one, each cut to the longer of the middle's distances.
-//!   Nothing there is drawn twice or left out, and triangles are always those of the icosahedron's faces.
-//! * Which diamond is home is not part of this: on a change of home nothing is read and nothing moves.
+//! * A level's extent is all points within `radius` steps of its middle, counted on the globe's own lattice. The middle is an even point,
+//!   so the border follows the coarser lattice. At the border the level draws at half the rate, and its vertices match the coarser level's
+//!   to the last bit. Over the last quarter of the radius it blends gradually into the coarser surface.
+//! * Where three diamonds meet instead of four, a corner of the square is missing and the two diamonds beside it touch. At a pole five
+//!   diamonds meet: two corners replace one, each cut to the longer of the middle's distances. Nothing there is drawn twice or left out,
+//!   and triangles are always those of the icosahedron's faces.
+//! * The choice of home diamond has no effect: a change of home reads nothing and moves nothing.
 //!
-//! A level moves when the eye is more than 1.5 cells from its middle, to the nearest even point, and reads only what is new.
-//! Levels appear and disappear by turning into the coarser surface first. Where the eye outruns the samples that a
-//! [`Surface::prepare`] may read, the level and all finer ones are left out until they are complete again.
+//! A level moves when the eye is more than 1.5 cells from its middle. It moves to the nearest even point and reads only the new samples.
+//! Levels appear and disappear by blending with the coarser surface first. If the eye outruns the samples that a [`Surface::prepare`] may
+//! read, the level and all finer ones are not drawn until they are complete again.
 //!
-//! Positions of level ℓ lie on a grid of 2^(1 − ℓ) m, a 55 000th of the cell, from level 10 on of 2 mm; offsets from the
-//! level's origin are exact in single precision. The origin moves when the middle is half a radius away from it.
+//! Positions of level ℓ are on a grid of 2^(1 − ℓ) m, a 55 000th of the cell; from level 10 on the grid is 2 mm. Offsets from the level's
+//! origin are exact in single precision. The origin moves when the middle is half a radius away from it.
 //!
-//! So patches meet to the last bit in double precision; where a GPU adds an offset to the rounded origin as seen from the
-//! eye, to less than a 1 000th of a pixel of a milliradian. The grid itself moves no vertex by more than a 60 000th of its
-//! cell, or 2 mm.
+//! Patches therefore meet to the last bit in double precision. A GPU adds an offset to the rounded eye-relative origin; there they meet to
+//! less than a 1 000th of a pixel of a milliradian. The grid itself moves no vertex by more than a 60 000th of its cell, or 2 mm.
 //!
-//! An eye at rest reads, changes and allocates nothing. A level that moves has the list of its triangles made again, and that
-//! of the coarser one: two allocations each, 0.4 MB at 129 samples.
+//! An eye at rest reads, changes and allocates nothing. When a level moves, its triangle list and that of the coarser level are rebuilt:
+//! two allocations each, 0.4 MB at 129 samples.
 //!
-//! The tolerance says how many levels there are (the last is the first whose cells' sixteenth, the rise taken to be between
-//! samples, is within it), and so do the finest data anywhere within a level's reach: there are none whose cells are less than
-//! a 128th of theirs. Cells as wide as the data's are not enough, for the lattice's triangles lie across the edges along which
-//! the data's ground bends. The tolerance is no bound of the error: the paper's cells are as wide as a 32nd of their distance,
-//! whatever the ground.
+//! The tolerance limits the number of levels. The last level is the first one where a sixteenth of a cell, the assumed rise between
+//! samples, is within it. The finest data anywhere within a level's extent limit it too: no level has cells of less than a 128th of the
+//! data's. Cells as wide as the data's are not enough, because the lattice's triangles cross the edges along which the data's surface
+//! bends. The tolerance does not bound the error: the paper's cells are as wide as a 32nd of their distance, whatever the terrain.
 
 mod changed;
 mod lattice;
@@ -59,28 +56,28 @@ use terrella_frames::Ellipsoid;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Trim {
-    /// All of the square, a diamond of 60° on the ground.
+    /// The whole square, a diamond of 60° on the ground.
     #[default]
     Diamond,
-    /// The square less its two sharp corners: about as far to all sides.
+    /// The square minus its two sharp corners: about equally far in all directions.
     Hexagon,
 }
 
-/// How a clipmap is built.
+/// Options of a clipmap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClipmapOptions {
     /// Samples along an edge of a level: 65, 129 or 257.
     pub samples: u32,
-    /// Most levels besides the globe's, 0…[`MAX_LEVELS`]; more are taken as that many.
+    /// Largest number of levels besides the globe's, 0…[`MAX_LEVELS`]; larger values are clamped.
     pub levels: u32,
-    /// Most samples that one [`Surface::prepare`] reads, besides the globe's that the first one reads. A level that is not
-    /// drawn yet takes several of them; `u64::MAX` brings all levels at once.
+    /// Largest number of samples that one [`Surface::prepare`] reads, besides the globe's, which the first one reads. A new level takes
+    /// several calls; `u64::MAX` completes all levels at once.
     pub samples_per_prepare: u64,
-    /// How many times [`Surface::prepare`] is called while a level appears or disappears; 0 for at once.
+    /// Number of [`Surface::prepare`] calls over which a level appears or disappears; 0 for at once.
     pub fade_prepares: u32,
     /// The outline of a level.
     pub trim: Trim,
-    /// The ellipsoid that heights refer to.
+    /// The ellipsoid that heights are measured from.
     pub ellipsoid: Ellipsoid,
 }
 
@@ -98,20 +95,20 @@ impl Default for ClipmapOptions {
     }
 }
 
-/// Finest level there can be: cells of 7 mm at 129 samples, as fine as numbers of points go.
+/// Finest possible level: cells of 7 mm at 129 samples, the limit of the lattice indices.
 pub const MAX_LEVELS: u32 = 24;
 
-/// The number of samples of a level is not one of those there are.
+/// The number of samples of a level is not an allowed one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("a clipmap level has {0} samples an edge; it must have 65, 129 or 257")]
 pub struct SamplesError(pub u32);
 
-/// What a clipmap did in its last [`Surface::prepare`].
+/// Counts of a clipmap's last [`Surface::prepare`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ClipmapCounts {
     /// Finest level that is drawn.
     pub finest: u32,
-    /// Levels that the view asks for.
+    /// Levels that the view needs.
     pub wanted: u32,
     /// Levels that moved with the eye.
     pub moved: u32,
@@ -124,15 +121,15 @@ pub struct Clipmap {
     options: ClipmapOptions,
     icosahedron: Icosahedron,
     levels: Vec<Level>,
-    /// By the number of a level, the finest data within its reach.
+    /// By level number, the finest data within the level's reach.
     found: Vec<Option<FinestData>>,
-    /// Numbers of level and buffer of what is drawn, near ones first.
+    /// Level and buffer indices of the drawn patches, near ones first.
     drawn: Vec<(usize, usize)>,
-    /// Where revisions of the next new buffer begin.
+    /// First revision of the next new buffer.
     clock: u64,
     counts: ClipmapCounts,
     stats: SurfaceStats,
-    /// Nobody sees levels come: they do not fade in until all samples are there.
+    /// Set by `forget_views`: levels appear without fading until all samples are read.
     is_at_rest: bool,
 }
 
@@ -140,7 +137,7 @@ impl Clipmap {
     /// An empty clipmap; the first [`Surface::prepare`] reads the globe's samples.
     ///
     /// # Errors
-    /// A number of samples that there is not.
+    /// A number of samples that is not allowed.
     pub fn new(options: ClipmapOptions) -> Result<Self, SamplesError> {
         if ![65, 129, 257].contains(&options.samples) {
             return Err(SamplesError(options.samples));
@@ -159,26 +156,26 @@ impl Clipmap {
         })
     }
 
-    /// Drops all samples, for a ground whose heights have changed.
+    /// Drops all samples, for elevation data that have changed.
     pub fn forget(&mut self) {
         self.levels.clear();
         self.found.fill_with(|| None);
         self.drawn.clear();
     }
 
-    /// What the last [`Surface::prepare`] did.
+    /// Counts of the last [`Surface::prepare`].
     pub fn counts(&self) -> ClipmapCounts {
         self.counts
     }
 
-    /// Length of a cell's edge at a level, metres: the mean along an edge of the icosahedron. Over the globe cells are
-    /// 0.8…1.2 times as long.
+    /// Edge length of a cell at a level, metres: the mean along an edge of the icosahedron. Over the globe the length is 0.8…1.2 times
+    /// that.
     pub fn spacing_m(&self, level: u32) -> f64 {
         let n = f64::from(self.options.samples / 2) * 2.0_f64.powi(level as i32);
         level::EDGE_RAD / n * self.options.ellipsoid.equatorial_radius_m
     }
 
-    /// Bytes of samples, vertices and indices that the options can lead to: five buffers a level, and the globe.
+    /// Upper bound of the bytes of samples, vertices and indices for these options: five buffers a level, and the globe.
     pub fn max_bytes(&self) -> u64 {
         let samples = u64::from(self.options.samples);
         let half = samples / 2 + 1;

@@ -1,7 +1,7 @@
-//! The block sphere with relief: the vertices of each block are displaced to the ground's height.
+//! Displaced blocks: the block sphere with each vertex moved to the terrain's elevation.
 //!
-//! Every block has the same number of cells, so neighbours share their edges' vertices and there are no cracks. It is the
-//! simplest surface with relief, and the coarsest: a cell of 48 to a block is 52 km wide.
+//! Every block has the same number of cells, so neighbours share their edges' vertices and there are no cracks. It is the simplest terrain
+//! surface, and the coarsest: at 48 cells to a block, a cell is 52 km wide.
 
 use super::blocks::{Block, BlockGrid, BlockRow, SubdivisionError};
 use super::select::select_blocks_between;
@@ -19,13 +19,13 @@ struct DisplacedVertex {
     slope: Vec2,
 }
 
-/// The block sphere on a ground with heights.
+/// The block sphere displaced by the elevation data.
 ///
-/// Memory: 40 bytes a vertex of each block seen so far and 24 of each drawn, 20 MB at most with 48 cells to a block.
+/// Memory: 40 bytes a vertex of each block seen so far, and 24 of each drawn; 20 MB at most with 48 cells to a block.
 pub struct DisplacedBlocks {
     grid: BlockGrid,
     indices: [Arc<TriangleList>; 3],
-    /// By block, made when first seen.
+    /// By block, computed when first visible.
     displaced: Vec<Option<Vec<DisplacedVertex>>>,
     patches: Vec<Patch>,
     drawn: usize,
@@ -33,15 +33,15 @@ pub struct DisplacedBlocks {
 }
 
 impl DisplacedBlocks {
-    /// With `subdivision` × `subdivision` cells a block, 1…48.
+    /// Makes the surface with `subdivision` × `subdivision` cells a block, 1…48.
     ///
     /// # Errors
-    /// A subdivision outside that.
+    /// A subdivision outside 1…48.
     pub fn new(ellipsoid: Ellipsoid, subdivision: u32) -> Result<Self, SubdivisionError> {
         Ok(Self::of(BlockGrid::new(ellipsoid, subdivision)?))
     }
 
-    /// With as many cells as there can be.
+    /// Makes the surface with the largest number of cells.
     pub fn finest(ellipsoid: Ellipsoid) -> Self {
         Self::of(BlockGrid::finest(ellipsoid))
     }
@@ -74,7 +74,7 @@ impl DisplacedBlocks {
         for j in 0..=n {
             for (i, foot_itrf_m) in (0..).zip(self.grid.vertex_row(block, j)) {
                 let (lat, lon) = self.grid.vertex_lat_lon_rad(block, i, j);
-                // One place has one height: of a pole's longitudes 0 is taken, of the date line's two −180°.
+                // A place has one height: a pole uses longitude 0, and the date line −180°.
                 let at_pole = (0.5 * PI - lat.abs()).abs() < 1e-12;
                 let lon = match at_pole {
                     true => 0.0,
@@ -83,7 +83,7 @@ impl DisplacedBlocks {
                 };
                 let height_m = ground.height_m(lat, lon, self.cell_rad());
                 let slope = ground.slope(&ellipsoid, lat, lon, self.cell_rad());
-                // From the lattice's own point, whose bits neighbours share, and its normal by the gradient.
+                // From the lattice's own point, whose bits neighbours share, and its normal from the gradient.
                 let scale = ellipsoid.scaled_from_itrf();
                 let normal = (*foot_itrf_m * scale * scale).normalize();
                 displaced.push(DisplacedVertex {
@@ -145,7 +145,7 @@ impl Surface for DisplacedBlocks {
             if !Arc::ptr_eq(&patch.indices, indices) {
                 patch.indices = indices.clone();
             }
-            // About the eye: what is near it is exact, however wide the block.
+            // Relative to the eye: nearby vertices are exact, however wide the block.
             patch.origin_itrf_m = view.eye_itrf_m;
             patch.revision += 1;
             patch.block = Some(*block);
@@ -173,7 +173,7 @@ impl Surface for DisplacedBlocks {
 
     fn heights_changed(&mut self, changes: &[HeightChange], _: &dyn Elevation) {
         let cell_rad = self.cell_rad();
-        // Slopes are taken between places so far away.
+        // Slopes are computed between points this far apart.
         let beyond_rad = cell_rad.max(COARSEST_STEP_RAD);
         for block in Block::all() {
             let south_rad = block.center_lat_rad() - 0.5 * FRAC_PI_8;
@@ -190,7 +190,7 @@ impl Surface for DisplacedBlocks {
         }
     }
 
-    /// Nothing: blocks are chosen by the view alone.
+    /// Does nothing: blocks depend on the view alone.
     fn forget_views(&mut self) {}
 
     fn for_each_patch(&self, draw: &mut dyn FnMut(&Patch)) {
@@ -231,7 +231,7 @@ mod tests {
     fn view(eye_itrf_m: DVec3) -> GroundView {
         GroundView {
             eye_itrf_m,
-            // Everything in front of and behind the eye is inside.
+            // Everything in front of and behind the eye is inside the frustum.
             clip_from_eye: DMat4::from_cols(DVec4::ZERO, DVec4::ZERO, DVec4::ZERO, DVec4::W),
             pixel_rad: 1e-3,
             tolerance_px: 1.0,

@@ -1,4 +1,4 @@
-//! Which blocks ground may touch, and so with whose tiles a range of its triangles is drawn.
+//! Which blocks ground may touch, and therefore which tiles a range of its triangles is drawn with.
 
 use super::blocks::{BlockSet, COLUMNS, ROWS};
 use super::surface::{IndexRange, Patch};
@@ -6,18 +6,18 @@ use glam::{DVec3, Vec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use terrella_frames::Ellipsoid;
 
-/// Most triangles of a range: those of a square of 16 × 16 cells.
+/// Largest number of triangles in a range: those of a square of 16 × 16 cells.
 pub const RANGE_TRIANGLES: usize = 512;
 
-/// A geocentric angle is this much less than the change of the geodetic latitude along it, at most.
+/// Upper bound of the ratio of a change in geodetic latitude to the geocentric angle along it.
 const GEODETIC: f64 = 1.01;
-/// What places on the GPU may be off by, radians (6 m).
+/// Error bound of positions on the GPU, radians (6 m).
 const ROUNDED_RAD: f64 = 1e-6;
 
-/// The blocks that places up to `radius_m` from a point may lie in.
+/// The blocks that points up to `radius_m` from `middle_itrf_m` may be in.
 pub fn blocks_near(ellipsoid: &Ellipsoid, middle_itrf_m: DVec3, radius_m: f64) -> BlockSet {
     let sine = radius_m / middle_itrf_m.length();
-    // A comparison with what is no number is false.
+    // A comparison with NaN is false.
     if !(0.0..0.8).contains(&sine) {
         return BlockSet::ALL;
     }
@@ -50,7 +50,7 @@ pub fn blocks_near(ellipsoid: &Ellipsoid, middle_itrf_m: DVec3, radius_m: f64) -
     blocks
 }
 
-/// The ranges of a patch's triangles, by the boxes about their vertices.
+/// Ranges of a patch's triangles, from the bounding boxes of their vertices.
 pub fn patch_ranges(patch: &Patch, ellipsoid: &Ellipsoid, out: &mut Vec<IndexRange>) {
     out.clear();
     let mut start = 0;
@@ -114,7 +114,7 @@ mod tests {
             for _ in 0..400 {
                 let aside = DVec3::new(random() - 0.5, random() - 0.5, random() - 0.5);
                 let place = middle + aside.normalize() * radius_m;
-                // Deep in the Earth no ground lies.
+                // There is no ground deep in the Earth.
                 if place.length() < 6.3e6 {
                     continue;
                 }

@@ -1,4 +1,4 @@
-//! Which surface draws terrain, and with what settings.
+//! Selects the surface that draws terrain, and its settings.
 
 use super::clipmap::{Clipmap, ClipmapOptions, SamplesError};
 use super::contours::{ContourOptions, ContourPages, ContourSurface, PageOptions};
@@ -6,11 +6,11 @@ use super::projected_grid::{GridOptions, ProjectedGrid};
 use super::quadtree::{Quadtree, QuadtreeOptions};
 use super::{DisplacedBlocks, Figure, Subdivision, SubdivisionError, Surface};
 
-/// Levels of a scene's clipmap, twice the paper's: the last has cells of 27 m. Levels that the view and the data do not ask
-/// for cost nothing.
+/// Levels of a scene's clipmap, twice the paper's; the last has cells of 27 m. Levels that neither the view nor the data needs cost
+/// nothing.
 const SCENE_LEVELS: u32 = 12;
 
-/// What draws terrain: by default what docs/surfaces.md finds best near the ground.
+/// Which surface draws terrain. The default is the best near the ground according to docs/surfaces.md.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SurfaceKind {
@@ -21,7 +21,7 @@ pub enum SurfaceKind {
     /// Squares of the ground, divided where it is rough and near (2005).
     #[default]
     Quadtree,
-    /// After the paper of 2017: its contours, at which rays are cast, or bicubic patches in their place, see [`ContourDrawing`].
+    /// After the paper of 2017: rays are cast at its contours, or bicubic patches replace them, see [`ContourDrawing`].
     Contours,
     /// Nested rings of samples on an icosahedron (2014).
     Clipmap,
@@ -36,7 +36,7 @@ impl SurfaceKind {
         Self::Clipmap,
     ];
 
-    /// As scene files write it.
+    /// Name in scene files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Blocks => "blocks",
@@ -47,7 +47,7 @@ impl SurfaceKind {
         }
     }
 
-    /// Its default settings. Cells are for blocks; chosen automatically, they are most.
+    /// Default settings. `subdivision` is for blocks only; `Auto` selects the finest mesh there.
     pub fn settings(self, subdivision: Subdivision) -> SurfaceSettings {
         match self {
             Self::Blocks => SurfaceSettings::Blocks(subdivision),
@@ -66,17 +66,17 @@ impl SurfaceKind {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ContourDrawing {
-    /// Not at all: bicubic patches of the heights in Hermite form, without q, as triangles.
+    /// Contours are not drawn: bicubic patches of the heights in Hermite form, without q, as triangles.
     #[default]
     Patches,
-    /// By casting the ray of each pixel at them.
+    /// By casting each pixel's ray at them.
     Cast,
 }
 
-/// What draws terrain, and how. The figures in here give way to the Earth's.
+/// A surface that draws terrain, with its settings. The Earth's figure replaces the figures in them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SurfaceSettings {
-    /// [`DisplacedBlocks`] with so many cells a block edge.
+    /// [`DisplacedBlocks`] with this number of cells a block edge.
     Blocks(Subdivision),
     /// [`ProjectedGrid`]
     ProjectedGrid(GridOptions),
@@ -90,19 +90,19 @@ pub enum SurfaceSettings {
     Clipmap(ClipmapOptions),
 }
 
-/// Why there is no such surface.
+/// Why a surface cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SurfaceError {
-    /// Cells of blocks.
+    /// Invalid cells of blocks.
     #[error(transparent)]
     Subdivision(#[from] SubdivisionError),
-    /// Samples of a clipmap.
+    /// Invalid samples of a clipmap.
     #[error(transparent)]
     Samples(#[from] SamplesError),
 }
 
 impl SurfaceSettings {
-    /// Makes the surface, on this figure.
+    /// Makes the surface on this figure.
     ///
     /// # Errors
     /// Settings out of range.

@@ -1,7 +1,7 @@
 //! Level of detail (LOD) of maps: which level of a map a block is drawn with. Free functions over plain data.
 //!
-//! Levels are counted from the finest, 0. Both rules look at the distance between the eye and the block's nearest point,
-//! so that far blocks of the same picture are drawn with less.
+//! Levels are counted from the finest, 0. Both rules use the distance between the eye and the block's nearest point. Far blocks of the same
+//! image are therefore drawn with coarser levels.
 
 use super::COLUMNS;
 use std::f64::consts::TAU;
@@ -21,25 +21,24 @@ pub enum LevelRule {
 /// Upper ends of the paper's distance bands (Table 1), metres: level 0 up to 200 km … level 3 up to 7 000 km.
 pub const PAPER_BANDS_M: [f64; 4] = [200e3, 1_000e3, 2_000e3, 7_000e3];
 
-/// A coarser level is taken only once its texels are this much smaller than asked for.
+/// A coarser level is selected only once its texels are smaller than the limit by this factor.
 pub const HYSTERESIS: f64 = 0.8;
 
-/// The paper's Table 1: the level at a distance, of a map with so many levels.
+/// The paper's Table 1: the level at a distance, of a map with `levels` levels.
 ///
-/// The last five levels are the paper's. Where a map has fewer, for lack of detail, its finest serves for those that
-/// are missing; levels finer than the paper's are not used. The paper reads the height of the eye from its table; the
-/// distance of each block from the eye is used here, which is the height for the block below.
+/// The last five levels are the paper's. If a map has fewer, its finest level replaces the missing ones; levels finer than the paper's are
+/// not used. The paper selects by the height of the eye. Here the distance of each block from the eye is used, which equals the height for
+/// the block below.
 pub fn paper_level(distance_m: f64, levels: usize) -> usize {
     let band = PAPER_BANDS_M.partition_point(|end| *end < distance_m);
     (band + levels).saturating_sub(PAPER_BANDS_M.len() + 1)
 }
 
-/// The coarsest level whose texel, seen face on at this distance, covers at most `max_px` screen pixels; the finest
-/// where none does.
+/// The coarsest level whose texel, seen face on at this distance, covers at most `max_px` screen pixels. If there is none, the finest.
 ///
-/// `pixels` are texels per block side, the finest level first; `radius_m` the Earth's; `pixel_rad` the angle of a screen
-/// pixel. With `current`, the level that the block had in the frame before, a coarser one is taken only once it covers
-/// [`HYSTERESIS`] × `max_px`, so that an eye that hovers about a limit does not toggle.
+/// `pixels` are texels per block side, the finest level first; `radius_m` is the Earth's radius; `pixel_rad` is the angle of a screen
+/// pixel. `current` is the level that the block had in the frame before. With it, a coarser level is selected only once it covers
+/// [`HYSTERESIS`] × `max_px`, so that an eye near a limit does not toggle.
 pub fn screen_level(
     pixels: &[u32],
     radius_m: f64,
@@ -63,7 +62,7 @@ pub fn screen_level(
     }
 }
 
-/// Texels per screen pixel along a meridian, seen face on at this distance. 0 at no distance, where nothing is sharp.
+/// Texels per screen pixel along a meridian, seen face on at this distance. 0 at distance 0, where nothing is sharp.
 pub fn texels_per_pixel(pixels: u32, radius_m: f64, distance_m: f64, pixel_rad: f64) -> f64 {
     let texel_m = TAU * radius_m / f64::from(COLUMNS * pixels.max(1));
     distance_m * pixel_rad / texel_m
@@ -112,7 +111,7 @@ mod tests {
         // 40 075 km / 21 600 = 1.855 km a texel: one pixel of 1 mrad at 1 855 km.
         let at = |distance_m| screen_level(&LADDER, RADIUS_M, distance_m, PIXEL_RAD, 1.0, None);
         assert_eq!((at(3_700e3), at(3_715e3)), (0, 1));
-        // Texels of two pixels are enough from half as far.
+        // A limit of two pixels is met from half as far.
         let coarse = screen_level(&LADDER, RADIUS_M, 1_860e3, PIXEL_RAD, 2.0, None);
         assert_eq!(coarse, 1);
     }
@@ -129,7 +128,7 @@ mod tests {
             level = next;
         }
         assert_eq!((level, changes), (0, 0));
-        // Far enough away it does change, in one step over several levels too, and back at once.
+        // At a large enough distance it does change, in one step over several levels too, and back at once.
         let far = screen_level(&LADDER, RADIUS_M, 1e9, PIXEL_RAD, 1.0, Some(0));
         let near = screen_level(&LADDER, RADIUS_M, 1e5, PIXEL_RAD, 1.0, Some(4));
         assert_eq!((far, near), (4, 0));

@@ -1,17 +1,16 @@
-//! The outline of the smooth globe's mesh: facets are inscribed, so that seen from low down the mesh would end far below the
-//! horizon. What lies beyond the limb is lifted onto the cone of tangents: then mesh and ellipsoid have one outline, and
-//! nothing that was in sight is moved.
+//! The outline of the smooth globe's mesh. Facets are inscribed, so an eye near the ground would see the mesh end far below the horizon.
+//! Points beyond the limb are lifted onto the cone of tangents. Mesh and ellipsoid then have the same outline, and no visible point moves.
 
 use glam::DVec3;
 use terrella_frames::Ellipsoid;
 
-/// An eye lower than this sees the outline of one so high, metres: from the ground itself the mesh would be seen edge on.
+/// Lowest eye height for the outline, metres; a lower eye uses this height. From the ground itself the mesh would be seen edge on.
 const LOWEST_EYE_M: f64 = 1.0;
 
-/// The cone of tangents of one eye.
+/// The cone of tangents from one eye.
 #[derive(Clone, Copy, Debug)]
 pub struct TangentCone {
-    /// From the centre towards the eye, of length 1, scaled space.
+    /// Unit vector from the centre towards the eye, scaled space.
     toward_eye: DVec3,
     /// Cosine and sine of the angle at the centre between the eye and the limb: cos θ = 1/L.
     cos_limb: f64,
@@ -20,7 +19,7 @@ pub struct TangentCone {
 }
 
 impl TangentCone {
-    /// That of an eye; below the ground that of the place above.
+    /// The cone of an eye. An eye below the ground uses the point above it.
     pub fn new(eye_itrf_m: DVec3, ellipsoid: &Ellipsoid) -> Self {
         let scaled_from_itrf = ellipsoid.scaled_from_itrf();
         let eye = eye_itrf_m * scaled_from_itrf;
@@ -36,14 +35,13 @@ impl TangentCone {
         }
     }
 
-    /// A point of the ellipsoid, ITRF metres, lifted onto the cone if it lies beyond the limb.
+    /// A point of the ellipsoid, ITRF metres, lifted onto the cone if it is beyond the limb.
     pub fn lifted(&self, point_itrf_m: DVec3) -> DVec3 {
         let along = (point_itrf_m * self.scaled_from_itrf).dot(self.toward_eye);
         if along >= self.cos_limb {
             return point_itrf_m;
         }
-        // In the plane of centre, eye and point the tangent is x cos θ + y sin θ = 1. No facet in sight reaches 60° beyond
-        // the limb.
+        // In the plane of centre, eye and point the tangent is x cos θ + y sin θ = 1. No visible facet reaches 60° beyond the limb.
         let across = ((1.0 - along) * (1.0 + along)).max(0.0).sqrt();
         let beyond = along * self.cos_limb + across * self.sin_limb;
         point_itrf_m / beyond.max(0.5)

@@ -1,4 +1,4 @@
-//! Level of detail (LOD) of the smooth globe's mesh: as fine as the limb needs it in this picture, and no finer.
+//! Level of detail (LOD) of the smooth globe's mesh: as fine as the limb needs in this image, and no finer.
 
 use super::blocks::{BlockGrid, SubdivisionError};
 use std::f64::consts::PI;
@@ -6,14 +6,14 @@ use std::fmt;
 use std::sync::Arc;
 use terrella_frames::Ellipsoid;
 
-/// How many cells a block's edge has.
+/// Number of cells along a block's edge.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Subdivision {
-    /// The fewest of 2, 4, 6, 12, 24 and 48 that keep the drawn limb within [`LIMB_PX`] of the true one, chosen again for each
-    /// picture; with tiles at least 24.
+    /// Chosen for each image from 2, 4, 6, 12, 24 and 48: the fewest that keep the drawn limb within [`LIMB_PX`] of the true one. With
+    /// tiles at least 24.
     #[default]
     Auto,
-    /// Always so many, 1…48; the paper's are 6.
+    /// A fixed number, 1…48; the paper's is 6.
     Cells(u32),
 }
 
@@ -26,19 +26,19 @@ impl fmt::Display for Subdivision {
     }
 }
 
-/// How far [`Subdivision::Auto`] lets the drawn limb be inside the true one, pixels.
+/// Largest distance by which [`Subdivision::Auto`] lets the drawn limb be inside the true one, pixels.
 pub const LIMB_PX: f64 = 0.4;
 
-/// What [`Subdivision::Auto`] chooses from.
+/// The choices of [`Subdivision::Auto`].
 const AUTO_CELLS: [u32; 6] = [2, 4, 6, 12, 24, 48];
-/// The fewest for an eye that is not above the ground: fewer would lie far below it.
+/// Fewest cells for an eye that is not above the ground: a coarser mesh would be far below it.
 const CELLS_BELOW_GROUND: u32 = 6;
 
-/// How far the limb of a mesh lies inside the true one at most, in pixels of `pixel_rad`, for an eye `height_m` above the
-/// ground; 0 at and below it, where there is no limb.
+/// Upper bound of how far a mesh's limb is inside the true one, in pixels of `pixel_rad`, for an eye `height_m` above the ground. At and
+/// below the ground there is no limb, and the result is 0.
 ///
-/// Facets are inscribed: the middle of a cell lies by δ = R(1 − cos(11.25°/n)) below the sphere along either edge, so by
-/// up to 2δ. The limb is √(h(2R + h)) away.
+/// Facets are inscribed: the middle of a cell is δ = R(1 − cos(11.25°/n)) below the sphere along either edge, so up to 2δ in all. The limb
+/// is √(h(2R + h)) away.
 pub fn limb_error_px(cells: u32, radius_m: f64, height_m: f64, pixel_rad: f64) -> f64 {
     if height_m <= 0.0 {
         return 0.0;
@@ -47,14 +47,14 @@ pub fn limb_error_px(cells: u32, radius_m: f64, height_m: f64, pixel_rad: f64) -
     sagitta(cells) * radius_m / (limb_m * pixel_rad)
 }
 
-/// How far the middle of a facet lies below a sphere of radius 1 at most, of blocks with so many cells an edge: 2δ.
+/// Largest depth of a facet's middle below a sphere of radius 1, for blocks with `cells` cells an edge: 2δ.
 pub fn sagitta(cells: u32) -> f64 {
     let half_cell_rad = PI / (16.0 * f64::from(cells.max(1)));
     // 1 − cos x = 2 sin²(x/2).
     4.0 * (0.5 * half_cell_rad).sin().powi(2)
 }
 
-/// The grids that an Earth is drawn with, the coarsest first; one of them at a time. Clones share them, and choose each its own.
+/// The grids that an Earth is drawn with, coarsest first, one at a time. Clones share the grids, and each clone makes its own choice.
 #[derive(Clone)]
 pub struct Meshes {
     grids: Arc<[BlockGrid]>,
@@ -62,7 +62,7 @@ pub struct Meshes {
 }
 
 impl Meshes {
-    /// All grids of a subdivision. With `least` cells, `Auto` has none coarser.
+    /// All grids of a subdivision. `Auto` includes none with fewer than `least` cells.
     ///
     /// # Errors
     /// Cells outside 1…48.
@@ -85,8 +85,8 @@ impl Meshes {
         })
     }
 
-    /// Takes the coarsest grid that keeps the limb and has so many cells at least; else the finest. Answers its place
-    /// among [`Self::grids`].
+    /// Selects the coarsest grid that keeps the limb within [`LIMB_PX`] and has at least `least_cells` cells, or else the finest. Returns
+    /// its index in [`Self::grids`].
     pub fn select_lod(&mut self, height_m: f64, pixel_rad: f64, least_cells: u32) -> usize {
         let keeps_limb = |grid: &BlockGrid| {
             let radius_m = grid.ellipsoid().equatorial_radius_m;
@@ -100,17 +100,17 @@ impl Meshes {
         self.current
     }
 
-    /// The grid that was chosen last.
+    /// The grid of the last selection.
     pub fn grid(&self) -> &BlockGrid {
         &self.grids[self.current]
     }
 
-    /// The grid with so many cells a block edge, if it is one of them.
+    /// The grid with `cells` cells a block edge, if there is one.
     pub fn with_cells(&self, cells: u32) -> Option<&BlockGrid> {
         self.grids.iter().find(|grid| grid.subdivision() == cells)
     }
 
-    /// All of them, the coarsest first.
+    /// All grids, coarsest first.
     pub fn grids(&self) -> &[BlockGrid] {
         &self.grids
     }

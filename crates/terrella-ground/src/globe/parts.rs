@@ -1,4 +1,4 @@
-//! Parts of blocks: a block halved again and again, as maps finer than a block's tile are cut. Free functions over plain data.
+//! Parts of blocks: repeated halvings of a block, into which maps finer than a block's tile are cut. Free functions over plain data.
 
 use super::blocks::{Block, SPAN_RAD};
 use super::culling::{Frustum, GroundShell, Horizon, ScaledFrustum, ScaledRect};
@@ -10,11 +10,11 @@ use terrella_frames::Ellipsoid;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Part {
     pub block: Block,
-    /// How often it is halved, 0…15.
+    /// Number of halvings, 0…15.
     pub depth: u8,
-    /// From the block's north.
+    /// Counted from the block's north.
     pub row: u16,
-    /// From the block's west.
+    /// Counted from the block's west.
     pub column: u16,
 }
 
@@ -28,7 +28,7 @@ impl Part {
         }
     }
 
-    /// Its four quarters, row by row from the north-west.
+    /// The part's four quarters, row by row from the north-west.
     pub fn quarters(self) -> [Self; 4] {
         [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(row, column)| Self {
             block: self.block,
@@ -38,7 +38,7 @@ impl Part {
         })
     }
 
-    /// Its place among the parts of this depth, row by row; of a coarser `depth` that of the part which holds it.
+    /// Index among the parts of the same depth, row by row. At a coarser `depth`, the index of the part that contains this one.
     pub fn index_at(self, depth: u8) -> u16 {
         let steps = self.depth.saturating_sub(depth);
         ((self.row >> steps) << depth) + (self.column >> steps)
@@ -63,7 +63,7 @@ impl Part {
     }
 }
 
-/// What a view sees of parts.
+/// Visibility of parts in a view.
 pub struct PartSight {
     ellipsoid: Ellipsoid,
     shell: GroundShell,
@@ -73,8 +73,8 @@ pub struct PartSight {
 }
 
 impl PartSight {
-    /// A view of ground between these heights above the ellipsoid, metres: the eye in ITRF metres, and from eye-relative metres to
-    /// clip space with z in 0…w.
+    /// A view of ground between these heights above the ellipsoid, metres. `eye_itrf_m` is the eye in ITRF metres; `clip_from_eye` takes
+    /// eye-relative metres to clip space with z in 0…w.
     pub fn new(
         ellipsoid: Ellipsoid,
         range: HeightRange,
@@ -91,8 +91,8 @@ impl PartSight {
         }
     }
 
-    /// Distance from the eye to the part's nearest point on the ellipsoid, metres, as that of
-    /// [`BlockGrid::distance_m`](super::BlockGrid::distance_m); `None` of a part that is not in sight.
+    /// Distance from the eye to the part's nearest point on the ellipsoid, metres, as in
+    /// [`BlockGrid::distance_m`](super::BlockGrid::distance_m). `None` if the part is not visible.
     pub fn distance_m(&self, part: Part) -> Option<f64> {
         let rect = part.rect(&self.ellipsoid);
         if self.horizon.hides_rect(&rect) || self.frustum.excludes_rect(&rect, &self.shell) {
@@ -129,7 +129,7 @@ mod tests {
         assert_eq!(part.index_at(2), 0b10 * 4 + 0b10);
     }
 
-    /// A view straight down; of the whole Earth, so that the frustum excludes nothing.
+    /// A view straight down that spans the whole Earth, so that the frustum excludes nothing.
     fn sight(eye_itrf_m: DVec3) -> PartSight {
         let clip = glam::dcamera::rh::proj::directx::perspective(3.0, 1.0, 1.0, 1e8)
             * glam::dcamera::rh::view::look_to_mat4(
@@ -162,7 +162,7 @@ mod tests {
                 };
                 seen += 1;
                 assert!(distance_m >= whole_m - 1e-3, "{part:?}");
-                // Against places of a dense lattice, on a sphere but for the flattening.
+                // Compare with points of a dense lattice, on a sphere except for the flattening.
                 let nearest = (0..=40)
                     .flat_map(|i| (0..=40).map(move |j| (i, j)))
                     .map(|(i, j)| {

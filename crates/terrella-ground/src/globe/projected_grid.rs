@@ -1,22 +1,22 @@
 //! The projected grid of the 2009 paper: a grid ruled on the screen, cast on the ellipsoid and raised by the ground's heights.
 //!
-//! The number of vertices never changes; where they stand does, each frame. So the view's tolerance is not asked: what the
-//! picture is off by follows from the number of samples, and no bound of it is known. A frame:
-//! 1. [`ReliefRings`]: between which heights the ground lies, ring by ring about the eye, and how far of it can show;
-//! 2. the *base* that rays are cast on: the ellipsoid raised to the ground under the eye, so that samples are spaced by the
-//!    ground's distance and not by the ellipsoid's;
-//! 3. [`CoverageFinder`]: the rectangle of the screen's plane ([`ScreenPlane`]) whose ground may stand in the picture;
-//! 4. m × n samples over it, evenly in x and y, each cast to a place of the ground ([`Caster`]);
+//! The number of vertices is fixed; their positions change in each frame. The view's tolerance is therefore not used. The error of the
+//! image depends on the number of samples, and no bound of it is known. A frame has these steps:
+//! 1. [`ReliefRings`]: the range of the ground's heights, ring by ring about the eye, and how far ground can be visible;
+//! 2. the *base* that rays are cast on: the ellipsoid raised to the ground under the eye, so that samples are spaced by the ground's
+//!    distance and not by the ellipsoid's;
+//! 3. [`CoverageFinder`]: the rectangle of the screen's plane ([`ScreenPlane`]) whose ground may be in the image;
+//! 4. m × n samples over it, evenly in x and y, each cast to a place on the ground ([`Caster`]);
 //! 5. each place raised along the ellipsoid's normal by its height, averaged over the sample's spacing.
 //!
-//! Which ground must be covered: a place shows at some height h between the ground's lowest h₁ and highest h₂ only if
-//! θ ≤ acos(R₁/L) + acos(R₁/R₂), θ being its angle from the eye at the centre. So the grid is cast on the base, but does
-//! not end at its limb: rays above the limb go on to the ground behind it, to that θ. Where ground is flat, both are the limb,
-//! and rays that miss end on it exactly.
+//! Ground must be covered if it can be visible at some height between the ground's lowest h₁ and highest h₂. That needs θ ≤ acos(R₁/L) +
+//! acos(R₁/R₂), where θ is its angle from the eye at the centre. The grid is cast on the base, but does not end at the base's limb: rays
+//! above the limb continue to the ground behind it, up to that θ. On flat ground both limits are the limb, and rays that miss end on it
+//! exactly.
 //!
-//! The spacing of a sample is the root of the ground that it stands for, √(along × across). Samples glide over the ground as
-//! the eye moves; heights at fixed places then change by as much as the average leaves of ground finer than the grid. See
-//! [`SampleFootprint`] and [`Anchor`] for what was measured.
+//! The spacing of a sample is the root of its area of ground, √(along × across). Samples move over the ground with the eye. Heights at
+//! fixed places then change, as far as the average leaves terrain finer than the grid. See [`SampleFootprint`] and [`Anchor`] for
+//! measurements.
 
 mod cast;
 mod coverage;
@@ -50,62 +50,60 @@ use std::sync::Arc;
 use terrella_frames::{Ellipsoid, Geodetic};
 use triangles::indices;
 
-/// Over how much ground a sample's height is averaged.
+/// Width of ground over which a sample's height is averaged.
 ///
-/// Over rough ground (waves from 200 km to 50 m, 1280 × 720), from 2 km, 2 m a frame, heights at fixed places change by
-/// 0.004 px a frame (root of the mean square; 0.02 px at most) with the mean and 0.003 px with the longer; without an average by
-/// 0.017 px. Against the ground itself they are off by 0.66 px, 1.17 px and 0.61 px. From 400 km, 127 m a frame: 0.001,
-/// 0.001 and 0.006 px a frame.
+/// Measured over rough ground (waves from 200 km to 50 m, 1280 × 720), from 2 km, 2 m a frame. Heights at fixed places change by 0.004 px a
+/// frame (root mean square; 0.02 px at most) with the mean and by 0.003 px with the longer; without an average by 0.017 px. Their errors
+/// compared with the ground itself are 0.66 px, 1.17 px and 0.61 px. From 400 km, 127 m a frame: 0.001, 0.001 and 0.006 px a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SampleFootprint {
-    /// √(along × across), the root of the sample's ground.
+    /// √(along × across), the root of the sample's area.
     #[default]
     Mean,
     /// The longer of along and across.
     Longer,
 }
 
-/// What samples hold on to when the eye moves.
+/// Reference to which samples are fixed when the eye moves.
 ///
-/// Turning by 0.1° a frame at 2 km, heights at fixed places change by 0.009 px a frame with the direction and by 0.015 px with
-/// the screen. A third way, samples that stand on the nearest node of a fixed lattice of latitude and longitude, was worse
-/// than either: its nodes stay, but triangles jump from node to node (0.062 px, 0.95 px at most).
+/// Measured with an eye at 2 km that turns by 0.1° a frame. Heights at fixed places change by 0.009 px a frame with the direction and by
+/// 0.015 px with the screen. A third way was worse than both: samples on the nearest node of a fixed lattice of latitude and longitude. Its
+/// nodes stay, but triangles jump from node to node (0.062 px, 0.95 px at most).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Anchor {
-    /// The direction of the grid's middle, in the Earth's axes: when the view turns, the grid stays with it and moves over
-    /// the screen, until half a cell has been passed; then it goes back by a cell, and samples take their neighbours' places.
+    /// The direction of the grid's middle, in the Earth's axes. When the view turns, the grid keeps that direction and moves over the
+    /// screen by up to half a cell. Then it goes back by a cell, and samples take their neighbours' places.
     #[default]
     Direction,
-    /// The screen: samples glide over the ground.
+    /// The screen: samples move over the ground.
     Screen,
 }
 
-/// How the grid is made.
+/// Options of a projected grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridOptions {
-    /// Samples across and down, 2…1025 each; others are taken as the nearest of these.
+    /// Samples across and down, 2…1025 each; other values are clamped.
     pub samples: (u32, u32),
     /// The figure of the Earth.
     pub figure: Figure,
-    /// Over how much ground a height is averaged.
+    /// Width of ground over which a height is averaged.
     pub footprint: SampleFootprint,
-    /// What samples hold on to.
+    /// Reference to which samples are fixed.
     pub anchor: Anchor,
-    /// Whether the GPU makes the vertices, with heights from tiles that are kept; else the CPU, with heights read again.
+    /// Whether the GPU computes the vertices, with heights from cached tiles. Otherwise the CPU computes them, and reads the heights again.
     ///
-    /// At 1280 × 720, from 500 m to 30 km over mountains, it takes 1.1 to 1.3 ms to prepare and the CPU's form 4.4 ms and more;
-    /// it writes 7 kB a frame and not 400 kB, besides new tiles. Frames of a software adapter took as long with either.
-    /// Errors (99 % of pixels) there differ by less than a tenth. Near a pole, where windows of tiles are cut, the CPU's form
-    /// has several times less.
+    /// At 1280 × 720, from 500 m to 30 km over mountains, the GPU form takes 1.1 to 1.3 ms to prepare. The CPU form takes 4.4 ms and more.
+    /// It writes 7 kB a frame instead of 400 kB, plus new tiles. On a software adapter, frames took equally long with both. Errors (99 % of
+    /// pixels) differ there by less than a tenth. Near a pole, where windows of tiles are cut, the CPU form's errors are several times
+    /// smaller.
     pub on_gpu: bool,
 }
 
-/// Tiles of heights that the GPU form holds: more than any view needs, 8.4 MB. 31 rows of 16 are a texture that any device
-/// takes.
+/// Height tiles that the GPU form holds: more than any view needs, 8.4 MB. 31 rows of 16 are a texture that every device supports.
 pub const GPU_TILES: u32 = 496;
-/// Tiles that it loads in a frame, at most: fewer heights than the CPU form reads.
+/// Largest number of tiles loaded in a frame: fewer heights than the CPU form reads.
 pub const GPU_LOADS: u32 = 3;
-/// The same where most of what a view needs is missing: then the eye has come from elsewhere.
+/// The same if most tiles of a view are missing: the eye has then come from elsewhere.
 pub const GPU_FIRST_LOADS: u32 = 64;
 
 impl GridOptions {
@@ -130,56 +128,56 @@ impl Default for GridOptions {
     }
 }
 
-/// Least distance between the eye and the base, metres. An eye in the ground is taken to be so much above it.
+/// Smallest distance between the eye and the base, metres. An eye in the ground is treated as this far above it.
 pub const MIN_CLEARANCE_M: f64 = 0.5;
-/// Farthest eye that ground is drawn for, metres.
+/// Farthest eye for which ground is drawn, metres.
 const FARTHEST_M: f64 = 1e24;
-/// Most of the grid's angle that is given to the limb (κ of [`Caster`]), radians.
+/// Largest part of the grid's angle used for the limb (κ of [`Caster`]), radians.
 const MAX_SPREAD_RAD: f64 = 0.15;
-/// Least of it where ground behind the limb can show, cells: from far away all relief at the limb is smaller than a cell,
-/// and ground that ends with the last ray that hits would leave part of a pixel of its outline out.
+/// Smallest such part where ground behind the limb can be visible, cells. From far away all terrain at the limb is smaller than a cell. If
+/// the ground ended at the last ray that hits, part of a pixel of its outline would be missing.
 const LIMB_CELLS: f64 = 2.0;
 /// The rectangle's margin, in cells, for the chords of its edge.
 const MARGIN_CELLS: f64 = 1.5;
-/// What a new rectangle has more, in cells, so that it will do for the frames after it.
+/// Additional margin of a new rectangle, in cells, so that it suffices for later frames.
 const SLACK_CELLS: f64 = 2.0;
-/// The size of the frame before is kept while a new rectangle would be at least this part of it, each way.
+/// The size of the frame before is kept while a new rectangle would be at least this fraction of it, each way.
 const KEPT: f64 = 0.9;
 
-/// One frame's grid, in f64: all that a vertex is computed from.
+/// One frame's grid in f64: all data that a vertex is computed from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridFrame {
     pub ellipsoid: Ellipsoid,
     pub eye_itrf_m: DVec3,
     /// Takes eye-relative ITRF metres to clip space.
     pub clip_from_eye: DMat4,
-    /// Rays.
+    /// Rays of the screen.
     pub screen: ScreenPlane,
     /// Casts those rays at the ground.
     pub caster: Caster,
-    /// The part of the plane that the grid lies over.
+    /// The part of the plane that the grid covers.
     pub rect: Rect,
-    /// From a sample to the next across and upwards.
+    /// Step from one sample to the next, across and upwards.
     pub step: DVec2,
     /// Samples across and down.
     pub samples: (u32, u32),
-    /// Over how much ground a height is averaged.
+    /// Width of ground over which a height is averaged.
     pub footprint: SampleFootprint,
 }
 
 /// A grid point before it is raised.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GridSample {
-    /// Where it stands on the unit sphere of scaled space.
+    /// Position on the unit sphere of scaled space.
     pub place: DVec3,
-    /// Half of the ground's width that its height is averaged over, radians.
+    /// Half the width of ground over which its height is averaged, radians.
     pub spacing_rad: f64,
 }
 
 impl GridFrame {
     /// The sample of a column, from the left, and a row, from the bottom.
     pub fn sample(&self, column: u32, row: u32) -> GridSample {
-        // A mirrored picture is ruled from right to left, so that triangles stay counter-clockwise from above.
+        // A mirrored image is ruled from right to left, so that triangles stay counter-clockwise from above.
         let column = if self.screen.mirrored {
             self.samples.0 - 1 - column
         } else {
@@ -201,26 +199,26 @@ impl GridFrame {
     }
 }
 
-/// A grid on the screen, cast on the ellipsoid. One source of heights goes with it: a frame that is as the one before is not
-/// read again, unless its heights have changed.
+/// A grid on the screen, cast on the ellipsoid. It belongs to one source of heights: a frame equal to the one before is not read again,
+/// unless its heights have changed.
 #[derive(Debug)]
 pub struct ProjectedGrid {
     options: GridOptions,
     finder: CoverageFinder,
     frame: Option<GridFrame>,
-    /// Grows with each change of the frame.
+    /// Increases with each change of the frame.
     revision: u64,
-    /// What the GPU is given of it.
+    /// The frame's data for the GPU.
     uniforms: Option<Box<GridUniforms>>,
-    /// Heights for the GPU, which then makes the vertices: there are none here.
+    /// Heights for the GPU, which then computes the vertices: there are none here.
     tiles: Option<HeightTiles>,
-    /// The frame that the patch holds.
+    /// The frame of the patch's vertices.
     raised: Option<GridFrame>,
     samples: Vec<RaisedPoint>,
     patch: Patch,
 }
 
-/// A grid point that has its height.
+/// A grid point with its height.
 #[derive(Clone, Copy, Debug, Default)]
 struct RaisedPoint {
     /// The foot on the ellipsoid, eye-relative ITRF metres.
@@ -245,7 +243,7 @@ impl RaisedPoint {
 }
 
 impl ProjectedGrid {
-    /// Holds all memory that it will need.
+    /// Allocates all memory that it will need.
     pub fn new(options: &GridOptions) -> Self {
         let clamp = |n: u32| n.clamp(2, 1025);
         let samples = (clamp(options.samples.0), clamp(options.samples.1));
@@ -277,16 +275,16 @@ impl ProjectedGrid {
         }
     }
 
-    /// The grid of the last view, `None` where nothing shows.
+    /// The grid of the last view, `None` if no ground is visible.
     pub fn frame(&self) -> Option<&GridFrame> {
         self.frame.as_ref()
     }
 
-    /// Chooses the grid for a view without reading the heights of its samples: what the GPU form needs.
+    /// Chooses the grid for a view without reading the heights of its samples, as the GPU form needs.
     pub fn aim(&mut self, view: &GroundView, ground: &dyn Elevation) -> Option<GridFrame> {
         let last = self.frame.take();
         let eye_itrf_m = view.eye_itrf_m;
-        // Comparing with a number that is none is false.
+        // A comparison with NaN is false.
         if !(eye_itrf_m.is_finite() && eye_itrf_m.abs().max_element() < FARTHEST_M) {
             return None;
         }
@@ -326,7 +324,7 @@ impl ProjectedGrid {
         self.frame
     }
 
-    /// About how large a cell is seen, radians: of a picture full of ground, or of the whole disc in it.
+    /// Approximate angle of a cell, radians: for an image full of ground, or for the whole disc in it.
     fn cell_rad(&self, screen: &ScreenPlane, caster: &Caster) -> f64 {
         let (columns, rows) = self.options.samples;
         let across = screen.right.length().min(caster.limb_rad) / f64::from(columns - 1);
@@ -334,8 +332,8 @@ impl ProjectedGrid {
         2.0 * across.max(down)
     }
 
-    /// The rectangle that the grid is laid over: what is needed and a margin. Its size is kept from the frame before while it
-    /// will do. With [`Anchor::Direction`] it is shifted by less than half a cell each way.
+    /// The rectangle of the grid: the needed part with a margin. The size of the frame before is kept while it suffices. With
+    /// [`Anchor::Direction`] the rectangle is shifted by less than half a cell each way.
     fn place_rect(&self, needed: &Rect, last: Option<&GridFrame>, screen: &ScreenPlane) -> Rect {
         let (columns, rows) = self.options.samples;
         let cells = DVec2::new(f64::from(columns - 1), f64::from(rows - 1));
@@ -345,7 +343,7 @@ impl ProjectedGrid {
             return fresh;
         };
         let (size, step) = (last.rect.size(), last.step);
-        // Half a cell to each side is for the shift.
+        // Half a cell on each side is reserved for the shift.
         let will_do = step.min_element() > 0.0
             && (least.size() + step).cmple(size).all()
             && (size * KEPT).cmple(fresh.size()).all();
@@ -406,7 +404,7 @@ impl ProjectedGrid {
     }
 }
 
-/// How far the base lies below the eye, metres: down to the ground there, averaged over as much of it as that is away.
+/// Depth of the base below the eye, metres: down to the ground there, averaged over a width equal to that distance.
 fn clearance(ellipsoid: &Ellipsoid, eye_itrf_m: DVec3, ground: &dyn Elevation) -> f64 {
     let Geodetic {
         lat_rad,
@@ -421,7 +419,7 @@ fn clearance(ellipsoid: &Ellipsoid, eye_itrf_m: DVec3, ground: &dyn Elevation) -
     over(first.abs()).max(MIN_CLEARANCE_M)
 }
 
-/// Rise to the east and to the north from two neighbours' differences of foot and height. 0 where they span no ground.
+/// Rise to the east and to the north, from the differences in foot and height between two pairs of neighbours. 0 if they span no ground.
 fn slope(normal: DVec3, one: (DVec3, f64), other: (DVec3, f64)) -> Vec2 {
     let level = normal.truncate().length();
     // East and north, both as long as `level`. At a pole, where all ways are north or south, east is along y.
@@ -438,7 +436,7 @@ fn slope(normal: DVec3, one: (DVec3, f64), other: (DVec3, f64)) -> Vec2 {
     let rise = if determinant.abs() > 1e-3 * (a_squared * b_squared).sqrt() && determinant != 0.0 {
         DVec2::new(one.1 * b.y - other.1 * a.y, other.1 * a.x - one.1 * b.x) / determinant
     } else if a_squared.max(b_squared) > 0.0 {
-        // On a line, as at the edge that rays end on: the rise along it.
+        // Collinear, as at the edge where rays end: use the rise along the line.
         if a_squared > b_squared {
             a * (one.1 / a_squared)
         } else {
@@ -500,7 +498,7 @@ impl Surface for ProjectedGrid {
 
     fn heights_changed(&mut self, changes: &[HeightChange], _: &dyn Elevation) {
         self.raised = None;
-        // Where the grid lay was chosen by the heights before; it is laid again, as if these had always been there.
+        // The old heights determined the grid's placement. It is chosen again, as if the new heights had always been there.
         self.frame = None;
         if let Some(tiles) = &mut self.tiles {
             tiles.heights_changed(changes);
@@ -508,7 +506,7 @@ impl Surface for ProjectedGrid {
     }
 
     fn forget_views(&mut self) {
-        // Whose size the next would keep.
+        // The next frame would keep its size.
         self.frame = None;
     }
 

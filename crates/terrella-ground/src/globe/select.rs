@@ -1,5 +1,5 @@
-//! Culling of blocks: which an eye needs, by horizon, then frustum. Free functions over plain data; the tests are those
-//! of [`culling`](super::culling).
+//! Culling of blocks for an eye, by horizon, then frustum. Free functions over plain data; the tests are those of
+//! [`culling`](super::culling).
 
 use super::Visibility;
 use super::blocks::{Block, BlockGrid, COLUMNS};
@@ -8,17 +8,17 @@ use crate::height::HeightRange;
 use glam::{DMat4, DVec3};
 use std::f64::consts::PI;
 
-/// What [`select_blocks`] found.
+/// Result of [`select_blocks`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
-    /// Blocks left by the horizon test.
+    /// Blocks that pass the horizon test.
     pub visible: u32,
 }
 
-/// Chooses the blocks to draw and appends them to `drawn` (cleared first; 128 places are enough).
+/// Chooses the blocks to draw and appends them to `drawn`, which is cleared first; room for 128 is enough.
 ///
 /// `eye_itrf_m` is the eye in ITRF metres; `clip_from_eye` takes eye-relative ITRF metres to clip space with z in 0…w.
-/// Neither test ever loses a block of which a facet can be seen, except by the paper's rule if that is asked for.
+/// Neither test drops a block with a visible facet, unless the paper's rule is requested.
 pub fn select_blocks(
     grid: &BlockGrid,
     visibility: Visibility,
@@ -66,9 +66,9 @@ impl BlockGrid {
 
 /// True if a point of the block, or a facet of its mesh, faces the eye.
 ///
-/// The mesh is inscribed, so near the limb a facet can face the eye though no point of its block is above the horizon: that
-/// is tested too, a band of cells at a time, since all cells of one row are tilted alike. Of an eye below the ellipsoid
-/// only facets count: no point of that faces it.
+/// The mesh is inscribed, so near the limb a facet can face the eye though no point of its block is above the horizon. That is tested too,
+/// a band of cells at a time, since all cells of one row have the same tilt. For an eye below the ellipsoid only facets count: no point of
+/// the ellipsoid faces it.
 fn is_above_horizon(grid: &BlockGrid, block: Block, horizon: &Horizon) -> bool {
     let rect = &grid.rects[block.index() as usize];
     if horizon.is_eye_above() && !horizon.hides_rect(rect) {
@@ -89,14 +89,14 @@ fn paper_rule(grid: &BlockGrid, block: Block, eye_itrf_m: DVec3) -> bool {
     let n = grid.subdivision();
     [(0, 0), (n, 0), (0, n), (n, n)].into_iter().any(|(i, j)| {
         let v = grid.vertex_itrf_m(block, i, j);
-        // The direction of the normal is all that counts: D⁻²v.
+        // Only the normal's direction matters: D⁻²v.
         let d = grid.ellipsoid().scaled_from_itrf();
         (eye_itrf_m - v).dot(d * d * v) > 0.0
     })
 }
 
-/// As [`select_blocks`], for ground between two heights above the ellipsoid: no block is lost of whose ground anything can be
-/// seen, over the horizon too.
+/// As [`select_blocks`], for ground between two heights above the ellipsoid. No block with visible ground is dropped, including ground
+/// visible over the horizon.
 pub fn select_blocks_between(
     grid: &BlockGrid,
     range: HeightRange,
@@ -121,13 +121,13 @@ pub fn select_blocks_between(
     }));
 }
 
-/// How far the middle of a cell lies below its corners at most, metres: 2R(1 − cos x) = 4R sin²(x/2).
+/// Largest depth of a cell's middle below its corners, metres: 2R(1 − cos x) = 4R sin²(x/2).
 fn sag_m(grid: &BlockGrid, range: HeightRange) -> f64 {
     let (a, b) = (
         grid.ellipsoid().equatorial_radius_m,
         grid.ellipsoid().polar_radius_m,
     );
-    // In parametric latitude a cell is wider than in geodetic by the ratio of the axes at most.
+    // In parametric latitude a cell is wider than in geodetic by at most the ratio of the axes.
     let widest_rad = half_cell_rad(grid) * a.max(b) / a.min(b);
     4.0 * (a.max(b) + range.high_m.max(0.0)) * (0.5 * widest_rad).sin().powi(2)
 }

@@ -1,4 +1,5 @@
-//! Every surface over heights that become finer while it is drawn: closed at all times, and at last as if they had always been so.
+//! Every surface over heights that become finer while it is drawn: always closed, and in the end as if the final heights had always been
+//! there.
 
 use super::surface::GridUniforms;
 use super::*;
@@ -11,7 +12,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use terrella_frames::{Ellipsoid, Geodetic};
 
-/// A place, a height and a slope, by their bits.
+/// A position, a height and a slope, as bits.
 type Corner = ([u64; 3], u32, [u32; 2]);
 
 fn view(lat_deg: f64, lon_deg: f64, height_m: f64) -> GroundView {
@@ -30,7 +31,7 @@ fn view(lat_deg: f64, lon_deg: f64, height_m: f64) -> GroundView {
 
 fn corners(patch: &Patch) -> Vec<Corner> {
     let corner = |vertex: &GroundVertex| {
-        // No negative zeros.
+        // Avoid negative zeros.
         let at = patch.origin_itrf_m + vertex.from_origin_m.as_dvec3() + DVec3::ZERO;
         let slope = vertex.slope.to_array().map(f32::to_bits);
         (
@@ -48,7 +49,7 @@ fn triangles(surface: &dyn Surface) -> BTreeSet<[Corner; 3]> {
         let corners = corners(patch);
         for [a, b, c] in patch.indices.triangles.as_chunks::<3>().0 {
             let mut of = [a, b, c].map(|k| corners[*k as usize]);
-            // From its least corner on.
+            // Start at the smallest corner.
             let least = (0..3).min_by_key(|k| of[*k]).unwrap_or(0);
             of.rotate_left(least);
             all.insert(of);
@@ -57,7 +58,7 @@ fn triangles(surface: &dyn Surface) -> BTreeSet<[Corner; 3]> {
     all
 }
 
-/// Edges that have one side only must not lie beside each other: the end of what is drawn is one, a crack is two.
+/// Edges with one side must not be next to each other: a single one is the end of the drawn surface, two are a crack.
 fn assert_closed(surface: &dyn Surface, when: &str) {
     let mut edges: HashMap<[[u64; 3]; 2], i32> = HashMap::new();
     for triangle in triangles(surface) {
@@ -100,7 +101,7 @@ struct Flight {
 
 impl Flight {
     fn new() -> Self {
-        // Three levels below the coarsest in one region, one elsewhere.
+        // Three levels below the coarsest in one region, one level elsewhere.
         let inset = |key: crate::elevation::HeightTileKey| {
             let scale = 1_u32 << key.level;
             key.level >= 2
@@ -120,7 +121,7 @@ impl Flight {
         }
     }
 
-    /// A frame, as an Earth makes it. Answers whether heights have changed.
+    /// One frame, as an Earth makes it. Returns whether heights have changed.
     fn frame(&mut self, surface: &mut dyn Surface, view: &GroundView) -> (bool, SurfaceStats) {
         self.viewer.look(HeightEye {
             eye_itrf_m: view.eye_itrf_m,
@@ -161,7 +162,7 @@ fn settings() -> Vec<SurfaceSettings> {
     all
 }
 
-/// Prepares until nothing changes any more.
+/// Prepares until nothing changes.
 fn settle(surface: &mut dyn Surface, view: &GroundView, heights: &dyn Elevation) {
     let (mut before, mut quiet) = (SurfaceStats::default(), 0);
     for _ in 0..3000 {
@@ -232,7 +233,7 @@ fn fly(settings: SurfaceSettings, view: &GroundView) {
         }
         (DrawKind::ContourPages(_), _) => {
             let (pages, others) = (pages(surface.as_ref()), pages(fresh.as_ref()));
-            // Once cut, pages stay cut a little longer: those that both have are the same.
+            // Pages stay cut a little longer than needed; the pages that both have must be equal.
             let both = pages.iter().filter(|(at, _)| others.contains_key(*at));
             let same = both
                 .clone()
@@ -245,7 +246,7 @@ fn fly(settings: SurfaceSettings, view: &GroundView) {
             );
         }
         _ if surface.name() == "quadtree" => {
-            // Leaves that were once divided stay so a little longer; points that both have are the same.
+            // Leaves stay divided a little longer than needed; the points that both have must be equal.
             let heights = |surface: &dyn Surface| {
                 let corners = triangles(surface).into_iter().flatten();
                 corners
@@ -289,7 +290,7 @@ fn from_orbit_every_surface_becomes_what_it_would_have_been() {
 #[test]
 fn near_the_ground_every_surface_becomes_what_it_would_have_been() {
     for settings in settings() {
-        // On the edge of four tiles.
+        // On the common edge of four tiles.
         fly(settings, &view(45.02, 0.01, 9e3));
     }
 }
@@ -301,7 +302,7 @@ fn at_a_pole_every_surface_becomes_what_it_would_have_been() {
     }
 }
 
-/// Each patch as it is handed over to be drawn: its place and its triangles.
+/// Each drawn patch: its position and its triangles.
 fn drawn(surface: &dyn Surface) -> BTreeMap<[u64; 3], Vec<[Corner; 3]>> {
     let mut all: BTreeMap<_, Vec<_>> = BTreeMap::new();
     surface.for_each_patch(&mut |patch| {
@@ -317,7 +318,7 @@ fn drawn(surface: &dyn Surface) -> BTreeMap<[u64; 3], Vec<[Corner; 3]>> {
     all
 }
 
-/// As an Earth does for pictures that are kept.
+/// Completes the view as an Earth does for stored images.
 fn complete(flight: &mut Flight, surface: &mut dyn Surface, view: &GroundView) {
     let end = Instant::now() + Duration::from_secs(100);
     surface.forget_views();
@@ -358,7 +359,7 @@ fn a_picture_that_is_kept_is_the_same_whatever_was_before() {
             complete(&mut flight, surface.as_mut(), &view(6e4));
             let grid = match surface.draw_kind() {
                 DrawKind::Grid(grid) => grid.uniforms.map(|of| {
-                    // Which slot a tile has is no part of the picture; its heights are.
+                    // The slot of a tile does not affect the image; its heights do.
                     let slots = of.slots.iter().flatten().flat_map(|s| s.to_array());
                     let slots = slots.filter(|slot| *slot != u32::MAX);
                     let heights: Vec<f32> = slots.flat_map(|s| grid.slot(s).to_vec()).collect();

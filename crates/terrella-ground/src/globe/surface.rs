@@ -1,5 +1,5 @@
-//! What every surface with relief answers: its [`Surface`] trait, and the plain data that it hands over to be drawn. No GPU
-//! here, and nothing of any one surface.
+//! The [`Surface`] trait of every terrain surface, and the plain data that a surface returns for drawing. Nothing here uses the GPU or is
+//! specific to one surface.
 
 mod contour_page;
 mod grid;
@@ -17,66 +17,64 @@ pub use patch::{GroundVertex, Patch, TriangleList};
 use crate::elevation::{Elevation, HeightChange};
 use glam::{DMat4, DVec3};
 
-/// Where the eye is and what it sees of the ground.
+/// The eye and its view of the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroundView {
     pub eye_itrf_m: DVec3,
     /// Takes eye-relative ITRF metres to clip space, z in 0…w.
     pub clip_from_eye: DMat4,
-    /// Angle of a pixel in the middle of the picture, radians.
+    /// Angle of a pixel in the middle of the image, radians.
     pub pixel_rad: f64,
-    /// Most pixels of the picture by which the drawn ground may differ from its data; 0 asks for all there is.
+    /// Largest allowed distance, in pixels of the image, between drawn terrain and its data; 0 requests full detail.
     pub tolerance_px: f64,
 }
 
-/// How a surface is drawn, and what with.
+/// How a surface is drawn, with the data for it.
 #[derive(Clone, Copy, Debug)]
 pub enum DrawKind<'a> {
     /// As patches of triangles: [`Surface::for_each_patch`].
     Patches,
-    /// As a grid whose vertices the GPU makes.
+    /// As a grid whose vertices are computed on the GPU.
     Grid(GridDraw<'a>),
-    /// As pages of contours that the GPU casts rays at: [`Surface::for_each_contour_page`].
+    /// As pages of contours at which the GPU casts rays: [`Surface::for_each_contour_page`].
     ContourPages(ContourPageSet),
 }
 
-/// A way to draw ground that has relief.
+/// A way to draw terrain.
 pub trait Surface: Send + Sync {
-    /// As scene files name it.
+    /// Name in scene files.
     fn name(&self) -> &'static str;
 
-    /// Selects the level of detail, and builds where needed, what the view needs. Allocates nothing in steady state, and never
-    /// waits.
+    /// Selects the level of detail for the view, and builds what is missing. Allocates nothing in steady state, and never waits.
     fn prepare(&mut self, view: &GroundView, ground: &dyn Elevation) -> SurfaceStats;
 
-    /// Hears where heights have changed since the last [`Self::prepare`], from now on those of `ground`. What was made of them is
-    /// made again by the next calls of that, within its budgets; no edge opens meanwhile, and nothing is left out.
+    /// Reports where heights have changed since the last [`Self::prepare`]; from now on `ground` has the heights. The next calls of
+    /// [`Self::prepare`] rebuild what depends on them, within their budgets. Meanwhile no crack opens and nothing is left out.
     fn heights_changed(&mut self, changes: &[HeightChange], ground: &dyn Elevation);
 
-    /// Forgets what was chosen for views before and is kept only so that an eye that moves does not toggle it. What the next calls of
-    /// [`Self::prepare`] come to for one view then depends on that view and the heights alone, whatever was before.
+    /// Forgets choices for earlier views that are kept only so that a moving eye does not toggle them. The result of the next calls of
+    /// [`Self::prepare`] for one view then depends on that view and the heights alone.
     fn forget_views(&mut self);
 
-    /// Hands over each patch of the last view, near ones first where that is known; none of another kind.
+    /// Calls `draw` with each patch of the last view, near ones first if the order is known. Other kinds have no patches.
     fn for_each_patch(&self, draw: &mut dyn FnMut(&Patch));
 
-    /// Hands over each page of contours of the last view, near ones first; none of another kind.
+    /// Calls `draw` with each page of contours of the last view, near ones first. Other kinds have no pages.
     fn for_each_contour_page(&self, draw: &mut dyn FnMut(&ContourPage<'_>)) {
         let _ = draw;
     }
 
-    /// Fills in which blocks the triangles of a grid may touch; leaves it empty for another kind.
+    /// Fills in the blocks that each range of a grid's triangles may touch. Leaves `ranges` empty for other kinds.
     fn grid_ranges(&self, ranges: &mut Vec<IndexRange>) {
         ranges.clear();
     }
 
-    /// Whether it has patches that lie in several blocks, to be drawn with the tiles of each of them. The same answer all its
-    /// life.
+    /// Whether patches may span several blocks and must be drawn with the tiles of each. The result never changes.
     fn crosses_blocks(&self) -> bool {
         false
     }
 
-    /// How it is drawn: the same variant all its life.
+    /// How the surface is drawn. The variant never changes.
     fn draw_kind(&self) -> DrawKind<'_> {
         DrawKind::Patches
     }

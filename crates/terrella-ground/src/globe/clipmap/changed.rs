@@ -1,8 +1,8 @@
-//! What levels do where heights have changed.
+//! Updates of levels where heights have changed.
 //!
-//! Samples are read again within the budget of a frame, those of the finest levels first; until then they stay as they were. In one
-//! level that opens no edge: neighbours share their vertices. Only points on the edges of diamonds are held once in each, and
-//! are read again all at once. A level's border is the coarser one's surface, and is set again with it.
+//! Samples are read again within the budget of a frame, those of the finest levels first. Until then they stay unchanged. Within a level
+//! that opens no crack: neighbours share their vertices. Only points on the edges of diamonds have a copy in each diamond; these are read
+//! again all at once. A level's border is the coarser level's surface, and is updated with it.
 
 use super::lattice::{Icosahedron, LatticeIndex};
 use super::level::{EDGE_RAD, HeightSource, Level};
@@ -10,13 +10,13 @@ use super::toroidal::ToroidalBuffer;
 use crate::elevation::{Bounds, HeightChange};
 use glam::DVec3;
 
-/// Points along a side of the squares that are marked together.
+/// Points along a side of the squares that are tested together.
 const SQUARE: i64 = 16;
 
-/// Marks the samples whose heights may have changed, and reads those again that diamonds share. Of what is not drawn they are dropped.
+/// Marks the samples whose heights may have changed, and reads those on diamond edges again. Marked samples that are not drawn are dropped.
 pub fn heights_changed(levels: &mut [Level], changes: &[HeightChange], source: &HeightSource<'_>) {
     for level in levels {
-        // Half a cell: how heights are averaged.
+        // Heights are averaged over half a cell.
         let half_cell_rad = 0.5 * EDGE_RAD / level.n as f64;
         if !changes
             .iter()
@@ -82,7 +82,7 @@ fn is_square_changed(
         .iter()
         .map(|(corner, ..)| corner.angle_between(middle));
     let radius_rad = 1.05 * spread.fold(2.0 * half_cell_rad, f64::max);
-    // Slopes are taken over the spacing of the data, where that is more.
+    // Slopes are computed over the spacing of the data, if that is larger.
     let all = corners
         .iter()
         .map(|(_, lat, lon)| (*lat, *lon))
@@ -103,7 +103,8 @@ fn place(icosahedron: &Icosahedron, index: LatticeIndex, n: i64) -> (DVec3, f64,
     (normal, lat_rad, normal.y.atan2(normal.x))
 }
 
-/// Reads what is left again within a budget, the finest levels first, and sets what is drawn of it. Answers how many samples.
+/// Reads the remaining stale samples again within a budget, the finest levels first, and updates the drawn vertices. Returns the number of
+/// samples.
 pub fn read_left(levels: &mut [Level], source: &HeightSource<'_>, budget: &mut u64) -> u64 {
     let mut read = 0;
     for level in levels.iter_mut().rev() {

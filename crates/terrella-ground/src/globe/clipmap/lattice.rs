@@ -1,8 +1,8 @@
-//! The lattice of ten diamonds: the paper's icosahedron, its points on the sphere, and who lies beside whom.
+//! The lattice of ten diamonds: the paper's icosahedron, its points on the sphere, and the neighbours of each diamond.
 //!
-//! Diamonds 0…4 (*upper*, k) have their corner A at the north pole, 5…9 (*lower*, 5 + m) their corner D at the south pole.
-//! A lattice of `n` cells an edge gives each diamond the points (i, j), 0 ≤ i, j ≤ n, with A = (0, 0), B = (n, 0),
-//! C = (0, n), D = (n, n). Each cell is cut from B's side to C's, so that all triangles are those of the icosahedron's faces.
+//! Diamonds 0…4 (*upper*, k) have their corner A at the north pole, 5…9 (*lower*, 5 + m) their corner D at the south pole. A lattice of `n`
+//! cells an edge gives each diamond the points (i, j), 0 ≤ i, j ≤ n, with A = (0, 0), B = (n, 0), C = (0, n), D = (n, n). Each cell is cut
+//! from B's side to C's, so that all triangles are those of the icosahedron's faces.
 
 use glam::{DMat3, DVec3};
 use std::f64::consts::TAU;
@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 /// Diamonds of the globe.
 pub const DIAMONDS: u8 = 10;
 
-/// A point of a lattice. Points of an edge have a name in each diamond that has the edge.
+/// A point of a lattice. A point on an edge has an index in each diamond that shares the edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct LatticeIndex {
     /// 0…9.
@@ -22,7 +22,7 @@ pub struct LatticeIndex {
 }
 
 impl LatticeIndex {
-    /// The same point in a lattice `factor` times as fine.
+    /// The same point in a lattice finer by `factor`.
     pub fn scaled(self, factor: i64) -> Self {
         Self {
             i: self.i * factor,
@@ -31,7 +31,7 @@ impl LatticeIndex {
         }
     }
 
-    /// The same point in a lattice half as fine; both numbers must be even.
+    /// The same point in a lattice half as fine; both indices must be even.
     pub fn halved(self) -> Self {
         debug_assert!(self.i % 2 == 0 && self.j % 2 == 0);
         Self {
@@ -45,14 +45,14 @@ impl LatticeIndex {
 /// Half a cell: the triangle by the cell's (i, j) corner or by its (i + 1, j + 1) corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Triangle {
-    /// The cell's corner of least numbers.
+    /// The cell's corner with the smallest indices.
     pub cell: LatticeIndex,
-    /// Whether it is the one by the (i + 1, j + 1) corner.
+    /// Whether it is the triangle by the (i + 1, j + 1) corner.
     pub far: bool,
 }
 
 impl Triangle {
-    /// Its corners, counter-clockwise seen from above; the first is the one that lies off the cell's diagonal.
+    /// Its corners, counter-clockwise seen from above; the first is the one that is not on the cell's diagonal.
     pub fn corners(self) -> [LatticeIndex; 3] {
         let LatticeIndex { diamond, i, j } = self.cell;
         let at = |i, j| LatticeIndex { diamond, i, j };
@@ -84,8 +84,8 @@ impl Triangle {
     }
 }
 
-/// The triangle that a cell one step outside its diamond (−1 or n in one of the numbers) shows to that diamond; `None` for
-/// a cell inside. The paper's rules modulo five.
+/// The triangle that a cell one step outside its diamond (−1 or n in one index) shows to that diamond. `None` for a cell inside. These are
+/// the paper's rules modulo five.
 fn cell_across(cell: LatticeIndex, n: i64) -> Option<Triangle> {
     let LatticeIndex { diamond, i, j } = cell;
     let upper = |k: u8| k % 5;
@@ -99,23 +99,23 @@ fn cell_across(cell: LatticeIndex, n: i64) -> Option<Triangle> {
         })
     };
     match (diamond < 5, i, j) {
-        // A turn about the north pole.
+        // Rotation about the north pole.
         (true, -1, _) => at(upper(m + 1), j, 0, false),
         (true, _, -1) => at(upper(m + 4), 0, i, false),
-        // Straight on between the two rows.
+        // Straight on between the two rows of diamonds.
         (true, _, _) if i == n => at(lower(m + 4), 0, j, false),
         (true, _, _) if j == n => at(lower(m), i, 0, false),
         (false, -1, _) => at(upper(m + 1), last, j, true),
         (false, _, -1) => at(upper(m), i, last, true),
-        // A turn about the south pole.
+        // Rotation about the south pole.
         (false, _, _) if i == n => at(lower(m + 4), j, last, true),
         (false, _, _) if j == n => at(lower(m + 1), last, i, true),
         _ => None,
     }
 }
 
-/// A corner of a diamond, with the directions along its two edges: from the first to the second it is a turn to the left
-/// through the diamond.
+/// A corner of a diamond, with the directions along its two edges. The turn from the first edge to the second is to the left, through the
+/// diamond.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DiamondCorner {
     /// 0…9.
@@ -125,7 +125,7 @@ pub struct DiamondCorner {
 }
 
 impl DiamondCorner {
-    /// The diamond's corner nearest to a point, the lower one of two as near.
+    /// The diamond's corner nearest to a point, the lower one if two are equally near.
     pub fn nearest(index: LatticeIndex, n: i64) -> Self {
         let corner = match (2 * index.i > n, 2 * index.j > n) {
             (false, false) => 0,
@@ -139,7 +139,7 @@ impl DiamondCorner {
         }
     }
 
-    /// How many diamonds meet here: five at the poles, three elsewhere.
+    /// Number of diamonds that meet here: five at the poles, three elsewhere.
     pub fn valence(self) -> usize {
         match (self.diamond < 5, self.corner) {
             (true, 0) | (false, 2) => 5,
@@ -152,7 +152,7 @@ impl DiamondCorner {
         self.corner.is_multiple_of(2)
     }
 
-    /// The same corner as the diamond to the left knows it: across the second edge.
+    /// The same corner in the diamond to the left, across the second edge.
     pub fn left(self) -> Self {
         let m = self.diamond % 5;
         let (diamond, corner) = match (self.diamond < 5, self.corner) {
@@ -168,7 +168,7 @@ impl DiamondCorner {
         Self { diamond, corner }
     }
 
-    /// Steps from here along the first and the second edge to (i, j).
+    /// Steps from the corner along the first and the second edge to (i, j).
     pub fn steps(self, i: i64, j: i64, n: i64) -> (i64, i64) {
         match self.corner {
             0 => (i, j),
@@ -178,7 +178,7 @@ impl DiamondCorner {
         }
     }
 
-    /// The point so many steps along the first and the second edge: the inverse of [`Self::steps`].
+    /// The point `p` and `q` steps along the first and the second edge: the inverse of [`Self::steps`].
     pub fn index(self, p: i64, q: i64, n: i64) -> LatticeIndex {
         let (i, j) = match self.corner {
             0 => (p, q),
@@ -194,22 +194,22 @@ impl DiamondCorner {
     }
 }
 
-/// A cell of the paper's virtual diamond: what lies in a place of the 3 × 3 about a home diamond.
+/// A place of the paper's virtual diamond: the content of one of the 3 × 3 places about a home diamond.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DiamondPlace {
     /// The home itself.
     Home,
     /// The diamond across an edge of the home.
     Across(u8),
-    /// Beyond a corner where three diamonds meet there is no more: the two places beside it touch each other.
+    /// Beyond a corner where three diamonds meet there is no diamond: the two places beside it touch each other.
     Closed,
     /// Beyond a pole two diamonds share the place, the left one (counter-clockwise) last.
     Two(u8, u8),
 }
 
-/// The 3 × 3 virtual diamond of a home, `[row][column]`: rows from A's side to D's along i, columns along j; the home is at
-/// `[1][1]`. Nothing is split and paired again, as the paper does: in each place are whole diamonds of the globe, so that a
-/// change of home changes names only.
+/// The 3 × 3 virtual diamond of a home, `[row][column]`: rows from A's side to D's along i, columns along j; the home is at `[1][1]`.
+/// Unlike in the paper, nothing is split and paired again. Each place has whole diamonds of the globe, so a change of home only renames
+/// points.
 pub fn virtual_diamond(home: u8) -> [[DiamondPlace; 3]; 3] {
     let across = |i, j| {
         let cell = LatticeIndex {
@@ -217,7 +217,7 @@ pub fn virtual_diamond(home: u8) -> [[DiamondPlace; 3]; 3] {
             i,
             j,
         };
-        // One cell a diamond: n = 1.
+        // n = 1 makes one cell a diamond.
         cell_across(cell, 1).map_or(DiamondPlace::Home, |triangle| {
             DiamondPlace::Across(triangle.cell.diamond)
         })
@@ -243,13 +243,12 @@ pub fn virtual_diamond(home: u8) -> [[DiamondPlace; 3]; 3] {
 /// The icosahedron about the unit sphere's centre.
 pub struct Icosahedron {
     corners: [DVec3; 12],
-    /// By face, diamond by diamond, near then far: takes a direction to its weights on the face's corners, see
-    /// [`Triangle::corners`].
+    /// By face, diamond by diamond, near then far: maps a direction to its weights of the face's corners, see [`Triangle::corners`].
     weights: [DMat3; 20],
 }
 
-/// The numbers of a diamond's corners A, B, C, D among the twelve: north pole, five of 26.565° N from 0° E eastwards, five
-/// of 26.565° S from 36° E, south pole.
+/// Indices of a diamond's corners A, B, C, D among the twelve: north pole, five at 26.565° N from 0° E eastwards, five at 26.565° S from
+/// 36° E, south pole.
 fn corner_numbers(diamond: u8) -> [usize; 4] {
     let m = usize::from(diamond % 5);
     let next = (m + 1) % 5;
@@ -289,9 +288,9 @@ impl Default for Icosahedron {
 impl Icosahedron {
     /// The unit direction of a point of a lattice of `n` cells.
     ///
-    /// The paper's OE = OA + y(OB − OA), OF = OA + y(OC − OA), OG = OE + x(OF − OE), y = (i + j)/n, x = j/(i + j), is
-    /// OG = (1 − (i + j)/n)·OA + (i/n)·OB + (j/n)·OC, and from D likewise for i + j > n. Points of an edge come out the
-    /// same to the last bit in each diamond: the corners are summed in the order of their numbers.
+    /// The paper's OE = OA + y(OB − OA), OF = OA + y(OC − OA), OG = OE + x(OF − OE), y = (i + j)/n, x = j/(i + j), is OG = (1 − (i +
+    /// j)/n)·OA + (i/n)·OB + (j/n)·OC, and from D likewise for i + j > n. A point on an edge is the same to the last bit in each diamond:
+    /// the corners are summed in the order of their indices.
     pub fn direction(&self, index: LatticeIndex, n: i64) -> DVec3 {
         let LatticeIndex { diamond, i, j } = index;
         let [a, b, c, d] = corner_numbers(diamond);
@@ -307,7 +306,8 @@ impl Icosahedron {
         sum / sum.length()
     }
 
-    /// The diamond that a direction goes through, and where: parts of its edges from A towards B and from A towards C, 0…1.
+    /// The diamond that a direction passes through, and the position there: fractions of its edges from A towards B and from A towards C,
+    /// 0…1.
     pub fn locate(&self, direction: DVec3) -> (u8, f64, f64) {
         let mut best = (f64::NEG_INFINITY, 0, DVec3::X);
         for (face, weights) in self.weights.iter().enumerate() {
@@ -323,7 +323,7 @@ impl Icosahedron {
         let place = if face % 2 == 0 {
             (w.y, w.z)
         } else {
-            // Weights of D, C, B: C is left by (1 − x), B by (1 − y).
+            // Weights of D, C, B: that of C is 1 − x, that of B is 1 − y.
             (1.0 - w.y, 1.0 - w.z)
         };
         (

@@ -1,4 +1,4 @@
-//! One level: its samples about a middle, how they follow the eye, and how they give way to the coarser level's surface.
+//! One level: its samples about a middle, how they follow the eye, and how they blend into the coarser level's surface.
 
 use super::lattice::{Icosahedron, LatticeIndex};
 use super::level_extent::LevelExtent;
@@ -13,7 +13,7 @@ use terrella_frames::Ellipsoid;
 /// Angle of an edge of the icosahedron at the Earth's centre, radians: 2·atan of the inverse of the golden ratio.
 pub const EDGE_RAD: f64 = 1.107_148_717_794_090_4;
 
-/// Where samples come from.
+/// Source of samples.
 pub struct HeightSource<'a> {
     pub ellipsoid: &'a Ellipsoid,
     pub icosahedron: &'a Icosahedron,
@@ -21,8 +21,7 @@ pub struct HeightSource<'a> {
 }
 
 impl HeightSource<'_> {
-    /// The point of the ground at a lattice point, ITRF metres, with height and slope, averaged over half a cell to each
-    /// side.
+    /// The ground at a lattice point, ITRF metres, with height and slope, averaged over half a cell to each side.
     ///
     /// The direction on the icosahedron's sphere is the ellipsoid's outward normal: latitudes are geodetic.
     pub fn sample(&self, index: LatticeIndex, n: i64) -> (DVec3, GroundVertex) {
@@ -50,23 +49,23 @@ impl HeightSource<'_> {
 pub struct Level {
     /// 0 for the globe in ten buffers, 1 for the coarsest that follows the eye.
     pub number: u32,
-    /// Cells of a diamond's edge.
+    /// Cells along a diamond's edge.
     pub n: i64,
     /// Cells from the middle to the border.
     pub radius: i64,
     trim: Trim,
-    /// What is drawn: complete, and drawn as far as the buffers' vertices say.
+    /// The drawn extent: complete, and drawn as the buffers' vertices say.
     pub extent: Option<LevelExtent>,
-    /// What is being filled while nothing is drawn.
+    /// The extent that is being filled while nothing is drawn.
     pending: Option<LevelExtent>,
     pub buffers: Vec<ToroidalBuffer>,
-    /// Where all buffers measure from, and the middle that this was chosen for.
+    /// Origin of all buffers, and the middle for which it was chosen.
     origin: Option<(DVec3, LatticeIndex)>,
-    /// Samples that are drawn have been read again, and vertices are not set by them yet.
+    /// Drawn samples have been read again, and vertices are not yet updated from them.
     pub is_read_anew: bool,
-    /// How far the whole level is drawn as the coarser one: 0 not at all, 1 altogether.
+    /// Blend of the whole level with the coarser one: 0 the level itself, 1 the coarser surface.
     pub fade: f64,
-    /// What the indices were made for: middles of this level and of the finer one.
+    /// Middles of this level and of the finer one for which the indices were made.
     shape: Option<(LatticeIndex, Option<LatticeIndex>)>,
 }
 
@@ -87,9 +86,8 @@ impl Level {
         }
     }
 
-    /// The grid that positions lie on, metres: every position of this level is a multiple, as is every one of a coarser
-    /// level, and its offset from the origin is exact in single precision. Not below 2 mm, so that the highest mountain is
-    /// within [`Self::most_m`] of the ellipsoid.
+    /// The grid of positions, metres. Every position of this level and of every coarser level is a multiple of it, and its offset is
+    /// exact in single precision. It is at least 2 mm, so that the highest mountain is within [`Self::most_m`] of the ellipsoid.
     pub fn quantum_m(number: u32) -> f64 {
         0.5_f64.powi((number as i32 - 1).min(9))
     }
@@ -99,12 +97,12 @@ impl Level {
         Self::quantum_m(number) * f64::from(1 << 24)
     }
 
-    /// Greatest width over which the level gives way to the coarser one, cells.
+    /// Largest width over which the level blends into the coarser one, cells.
     pub fn blend(&self) -> i64 {
         self.radius / 4
     }
 
-    /// A reach of this level's size about an even point.
+    /// An extent of this level's size about an even point.
     pub fn extent_about(&self, middle: LatticeIndex) -> LevelExtent {
         LevelExtent::new(middle, self.n, self.radius, self.trim)
     }
@@ -118,7 +116,7 @@ impl Level {
         2 * self.radius as u32 + 1
     }
 
-    /// How many samples a reach needs that are not held.
+    /// Number of samples that an extent needs and the buffers do not hold.
     pub fn missing(&self, extent: &LevelExtent) -> u64 {
         let mut missing = 0;
         for (diamond, span) in extent.boxes() {
@@ -137,8 +135,8 @@ impl Level {
         missing
     }
 
-    /// Reads what a reach needs and is not held, as far as the budget goes; true if nothing is missing any more. What the
-    /// reach does not need may be lost.
+    /// Reads the missing samples of an extent within the budget; returns true if none is missing any more. Samples outside the extent may
+    /// be lost.
     pub fn fill(
         &mut self,
         extent: &LevelExtent,
@@ -173,7 +171,7 @@ impl Level {
         true
     }
 
-    /// Sees to it that each diamond within reach has a buffer, and that the origin is near.
+    /// Ensures that each diamond within the extent has a buffer, and that the origin is near.
     fn settle(&mut self, extent: &LevelExtent, source: &HeightSource<'_>, clock: &mut u64) {
         let near = |index: &LatticeIndex| {
             let steps = extent.distance(*index);
@@ -183,7 +181,7 @@ impl Level {
             Some((origin_m, middle)) if near(&middle) => origin_m,
             _ => {
                 let normal = source.icosahedron.direction(extent.middle, self.n);
-                // A multiple of every level's quantum.
+                // Round to a multiple of every level's quantum.
                 let origin_m = (source.ellipsoid.surface_point(normal) / 2.0).round() * 2.0;
                 for buffer in &mut self.buffers {
                     buffer.rebase(origin_m, Self::most_m(self.number));
@@ -212,7 +210,7 @@ impl Level {
         }
     }
 
-    /// Fills towards a reach that is not drawn yet; true once it can be.
+    /// Fills an extent that is not drawn yet; returns true once it can be drawn.
     pub fn await_extent(
         &mut self,
         extent: LevelExtent,
@@ -231,31 +229,30 @@ impl Level {
         full
     }
 
-    /// What is being filled.
+    /// The extent that is being filled.
     pub fn pending(&self) -> Option<&LevelExtent> {
         self.pending.as_ref()
     }
 
-    /// Keeps a reach that is complete for when it may be drawn.
+    /// Keeps a complete extent undrawn until it may be drawn.
     pub fn hold(&mut self) {
         self.pending = self.extent.take();
     }
 
-    /// Draws nothing from now on; samples stay.
+    /// Stops drawing; samples stay.
     pub fn suspend(&mut self) {
         self.extent = None;
         self.pending = None;
         self.fade = 0.0;
     }
 
-    /// Draws nothing from now on, and measures from wherever it is drawn next; samples stay.
+    /// Stops drawing, and chooses a new origin when it is drawn next; samples stay.
     pub fn forget_view(&mut self) {
         self.suspend();
         self.origin = None;
     }
 
-    /// Sets all vertices within reach as they are to be drawn: as they are, or as far as [`Self::weight`] says as points of
-    /// the coarser level's surface.
+    /// Sets all drawn vertices within the extent: the level's own samples, blended by [`Self::weight`] with the coarser level's surface.
     pub fn blend_into(&mut self, coarser: Option<&Level>) {
         let Some(extent) = self.extent.take() else {
             return;
@@ -292,13 +289,12 @@ impl Level {
         self.extent = Some(extent);
     }
 
-    /// How far a vertex so many steps from the middle is drawn as the coarser level: 0 up to `radius − blend` steps, 1 at
-    /// the border.
+    /// Weight of the coarser level for a vertex `steps` steps from the middle: 0 up to `radius − blend` steps, 1 at the border.
     fn weight(steps: i64, radius: i64, blend: i64) -> f64 {
         ((steps - (radius - blend)) as f64 / blend as f64).clamp(0.0, 1.0)
     }
 
-    /// Makes the triangles again if the reach of this level or of the finer one has changed.
+    /// Rebuilds the triangles if the extent of this level or of the finer one has changed.
     pub fn cut(&mut self, finer: Option<&Level>) {
         let hole = finer
             .and_then(|finer| finer.extent.as_ref())
@@ -384,8 +380,8 @@ impl Level {
     }
 }
 
-/// A vertex between its own place and that of the coarser surface: the coarser level's vertex, or the middle of one of its
-/// edges. At weight 1 the sum of origin and offset is that of the coarser one to the last bit.
+/// A vertex between its own position and that of the coarser surface: the coarser level's vertex, or the midpoint of one of its edges. At
+/// weight 1 the sum of origin and offset equals the coarser one to the last bit.
 fn mixed(
     own: &GroundVertex,
     origin_m: DVec3,
@@ -394,14 +390,14 @@ fn mixed(
     weight: f64,
     quantum_m: f64,
 ) -> GroundVertex {
-    // The coarser edge that the point lies on; for a cell's diagonal, from B's side to C's.
+    // The coarser edge that contains the point; for a cell's diagonal, from B's side to C's.
     let (i0, i1, j0, j1) = (i / 2, (i + 1) / 2, j / 2, (j + 1) / 2);
     let (x, y) = (below.own(i1, j0), below.own(i0, j1));
     let middle_m = 0.5 * (x.from_origin_m.as_dvec3() + y.from_origin_m.as_dvec3());
-    // Both origins are multiples of 2 m: nothing is rounded in this.
+    // Both origins are multiples of 2 m, so this is exact.
     let target_m = middle_m + (below.patch.origin_itrf_m - origin_m);
     let own_m = own.from_origin_m.as_dvec3();
-    // On to the grid by a step that does not depend on the origin.
+    // Snap to the grid by a step that does not depend on the origin.
     let step_m = ((target_m - own_m) * (weight / quantum_m) + 0.5).floor() * quantum_m;
     let w = weight as f32;
     GroundVertex {

@@ -1,15 +1,15 @@
-//! How far it is from point to point of the lattice, and what lies within reach of a level's middle.
+//! Distances between points of the lattice, and the points within a level's extent.
 //!
-//! The distance is counted over the globe's own lattice and not over a plane: who calls which diamond home does not enter,
-//! so that a change of home changes nothing. A level reaches half a diamond's edge at most, hence over one corner at most.
+//! The distance is counted on the globe's own lattice, not on a plane. It does not depend on which diamond is home, so a change of home
+//! changes nothing. An extent's radius is at most half a diamond's edge, so it includes at most one corner.
 
 use super::Trim;
 use super::lattice::{DiamondCorner, LatticeIndex, Triangle};
 
-/// Most diamonds within reach of a point: those about a pole.
+/// Largest number of diamonds within an extent: those about a pole.
 const MOST: usize = 5;
 
-/// From the first number to the second, both ends with it.
+/// A range from `least` to `most`, both inclusive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IndexBox {
     /// Least i and j.
@@ -20,19 +20,18 @@ pub struct IndexBox {
 
 /// All points within a number of steps of a middle.
 ///
-/// [`Trim::Diamond`]: a step goes to any point of the same cell, as a king moves. The points are a square of the lattice;
-/// about the corner of three diamonds a corner of the square is missing, about a pole it is there twice, smaller.
-/// [`Trim::Hexagon`]: a step goes along an edge of a triangle. The points are a hexagon; about the icosahedron's corners a
-/// pentagon.
+/// [`Trim::Diamond`]: a step goes to any point of the same cell, like a king in chess. The points are a square of the lattice. About a
+/// corner of three diamonds, one corner of the square is missing; about a pole it is there twice, smaller. [`Trim::Hexagon`]: a step
+/// follows an edge of a triangle. The points are a hexagon; about the icosahedron's corners a pentagon.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LevelExtent {
     pub middle: LatticeIndex,
-    /// Cells of a diamond's edge.
+    /// Cells along a diamond's edge.
     pub n: i64,
-    /// How many steps, n/2 at most.
+    /// Number of steps, n/2 at most.
     pub radius: i64,
     trim: Trim,
-    /// The home's corner nearest to the middle, and on to the left, as many as diamonds meet there.
+    /// The home's corner nearest to the middle, then the same corner in each diamond to the left, as many as meet there.
     sectors: [DiamondCorner; MOST],
     valence: usize,
     /// The middle's steps from that corner along the home's first and second edge.
@@ -61,18 +60,18 @@ impl LevelExtent {
         }
     }
 
-    /// The same in a lattice half as fine, where the middle is even.
+    /// The same extent in a lattice half as fine; the middle must be even.
     pub fn halved(&self) -> Self {
         Self::new(self.middle.halved(), self.n / 2, self.radius / 2, self.trim)
     }
 
-    /// Steps from the middle to a point; `None` if it lies in a diamond that is out of reach from here. Right for points
-    /// within n/2 steps, never less than that beyond.
+    /// Steps from the middle to a point; `None` if its diamond is out of reach. Exact for points within n/2 steps, never less than that for
+    /// others.
     pub fn distance(&self, index: LatticeIndex) -> Option<i64> {
         Some(self.in_diamond(index.diamond)?.distance(index.i, index.j))
     }
 
-    /// Moves of a king from the middle to (p, q) of sector `s`. It can go round the corner either way, and over it.
+    /// King's moves from the middle to (p, q) of sector `s`: round the corner either way, or over it.
     fn king(&self, s: usize, p: i64, q: i64) -> i64 {
         let (a, b) = (self.a, self.b);
         let far = a.max(b);
@@ -87,24 +86,24 @@ impl LevelExtent {
         }
     }
 
-    /// Edges of triangles from the middle to (p, q) of sector `s`: five wedges of 60° about the corner, unrolled both ways.
+    /// Triangle edges from the middle to (p, q) of sector `s`: five wedges of 60° about the corner, unrolled both ways.
     fn hex(&self, s: usize, p: i64, q: i64) -> i64 {
         let (home, u0, t0) = self.wedge(0, self.a, self.b);
         let (wedge, u, t) = self.wedge(s, p, q);
-        // In the plane of the home wedge's edges e0, e1 at 60°, left turns by 60°.
+        // Edges in the plane of the home wedge's edges e0, e1 at 60°, by rotations of 60° to the left.
         const EDGES: [(i64, i64); 7] = [(1, 0), (0, 1), (-1, 1), (-1, 0), (0, -1), (1, -1), (1, 0)];
         let over = u0 + t0 + u + t;
         let turn = (wedge + 5 - home) % 5;
         let mut best = over;
         for (edge, left) in [(turn, true), ((turn + 1) % 6, false)] {
-            // To the right the last wedge of five is the sixth of the plane's six.
+            // To the right, the last of the five wedges is the sixth of the plane's six.
             if turn == 0 && !left {
                 continue;
             }
             let ((ux, uy), (tx, ty)) = (EDGES[edge], EDGES[edge + 1]);
             let (x, y) = (u * ux + t * tx, u * uy + t * ty);
             let side = u0 * y - t0 * x;
-            // Straight only if that leaves the corner on the right side; in the same wedge always.
+            // The straight path is valid only if it passes the corner on the correct side; within one wedge it always is.
             if turn == 0 || (left && side >= 0 && turn <= 3) || (!left && side <= 0 && turn >= 2) {
                 let (dx, dy) = (x - u0, y - t0);
                 best = best.min(dx.abs().max(dy.abs()).max((dx + dy).abs()));
@@ -113,7 +112,7 @@ impl LevelExtent {
         best
     }
 
-    /// Which of the five wedges about the corner holds (p, q) of sector `s`, and its steps along that wedge's two edges.
+    /// The wedge of the five about the corner that contains (p, q) of sector `s`, and the steps along its two edges.
     fn wedge(&self, s: usize, p: i64, q: i64) -> (usize, i64, i64) {
         let before = self.sectors[..s]
             .iter()
@@ -128,7 +127,7 @@ impl LevelExtent {
         }
     }
 
-    /// The diamonds that it reaches into with more than an edge, and the box of (i, j) that holds all it reaches there.
+    /// The diamonds that the extent covers by more than an edge, each with the box of (i, j) that contains its points there.
     pub fn boxes(&self) -> impl Iterator<Item = (u8, IndexBox)> + '_ {
         (0..self.valence).filter_map(move |s| {
             let ((p0, p1), (q0, q1)) = self.spans(s)?;
@@ -150,11 +149,11 @@ impl LevelExtent {
         boxes.find(|(d, _)| *d == diamond).map(|(_, span)| span)
     }
 
-    /// The spans of p and q in sector `s` that a king's reach lies in; it holds the hexagon's too.
+    /// Spans of p and q in sector `s` that contain a king's extent; they contain the hexagon too.
     fn spans(&self, s: usize) -> Option<((i64, i64), (i64, i64))> {
         let (a, b, r) = (self.a, self.b, self.radius);
         let (near_a, near_b) = ((a - r).max(0), (b - r).max(0));
-        // What is left when the edge, or the corner, has been reached.
+        // Remaining steps once the edge, or the corner, has been reached.
         let (ra, rb, rc) = (r - a, r - b, r - a.max(b));
         let spans = match (self.valence, s) {
             (_, 0) => ((near_a, a + r), (near_b, b + r)),
@@ -170,7 +169,7 @@ impl LevelExtent {
         (p1 > p0 && q1 > q0).then_some(spans)
     }
 
-    /// Its part in one diamond; `None` if that is out of reach.
+    /// The extent's part in one diamond; `None` if that is out of reach.
     pub fn in_diamond(&self, diamond: u8) -> Option<DiamondExtent<'_>> {
         let sectors = &self.sectors[..self.valence];
         let sector = sectors.iter().position(|c| c.diamond == diamond)?;
@@ -180,10 +179,10 @@ impl LevelExtent {
         })
     }
 
-    /// Whether a triangle is within reach: all its corners, for [`Trim::Diamond`] all of its cell.
+    /// Whether a triangle is within the extent: all its corners, and for [`Trim::Diamond`] all corners of its cell.
     ///
-    /// Three corners would not do for a king: where the border runs through a corner of three diamonds, the one beyond shows
-    /// it a single triangle between two borders.
+    /// Three corners are not enough for a king's distance. Where the border passes through a corner of three diamonds, the diamond beyond
+    /// would show a single triangle between two borders.
     pub fn holds(&self, triangle: Triangle) -> bool {
         let LatticeIndex { diamond, i, j } = triangle.cell;
         let part = self.in_diamond(diamond);
@@ -191,7 +190,7 @@ impl LevelExtent {
     }
 }
 
-/// A reach as one diamond sees it.
+/// An extent in the indices of one diamond.
 pub struct DiamondExtent<'a> {
     extent: &'a LevelExtent,
     sector: usize,
@@ -207,7 +206,7 @@ impl DiamondExtent<'_> {
         }
     }
 
-    /// [`LevelExtent::holds`] of the triangle of cell (i, j).
+    /// [`LevelExtent::holds`] for the triangle of cell (i, j).
     pub fn holds(&self, i: i64, j: i64, far: bool) -> bool {
         let within = |i, j| self.distance(i, j) <= self.extent.radius;
         let whole = self.extent.trim == Trim::Diamond;
@@ -217,7 +216,7 @@ impl DiamondExtent<'_> {
             && (!far && !whole || within(i + 1, j + 1))
     }
 
-    /// Steps that are within reach.
+    /// Radius of the extent, in steps.
     pub fn radius(&self) -> i64 {
         self.extent.radius
     }

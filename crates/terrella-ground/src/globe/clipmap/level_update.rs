@@ -1,4 +1,4 @@
-//! How levels follow the eye: which are wanted, which move, which wait for samples.
+//! How levels follow the eye: which are wanted, which move, and which wait for samples.
 
 use super::lattice::{Icosahedron, LatticeIndex};
 use super::level::{HeightSource, Level};
@@ -10,53 +10,53 @@ use crate::globe::surface::GroundView;
 use glam::DVec3;
 use terrella_frames::Ellipsoid;
 
-/// Quarters of a cell that the eye may be from a level's middle before the level moves. Half a cell more than the nearest
-/// even point can be: that is the hysteresis.
+/// Largest distance of the eye from a level's middle before the level moves, in quarters of a cell. It is half a cell more than the largest
+/// distance to the nearest even point: that is the hysteresis.
 const REST: i64 = 6;
 
-/// Most levels that move in one go; the others lag by a few cells meanwhile.
+/// Largest number of levels that move in one call; the others lag by a few cells meanwhile.
 const MAX_MOVES: u32 = 2;
 
-/// The rise of the ground between neighbouring samples is taken to be this part of their distance.
+/// Assumed rise of the ground between neighbouring samples, as a fraction of their distance.
 const RISE: f64 = 1.0 / 16.0;
 
-/// Cells of data that are drawn with this many cells across have few triangles that their edges, where the ground bends, run
-/// through: what is wrong about those no finer level mends for most pixels.
+/// Cells across a cell of the data from which finer levels help little. Few triangles then cross the edges of the data's cells, where the
+/// ground bends. No finer level corrects the error of those triangles for most pixels.
 const ACROSS: f64 = 64.0;
 
-/// How far a level reaches, in the angle of `radius` mean cells: to the sharp corners of a diamond of 60°, √3, where cells are
-/// up to 1.2 times as long.
+/// Largest reach of a level, as a multiple of the angle of `radius` mean cells. The sharp corners of a diamond of 60° are at √3, and cells
+/// are up to 1.2 times as long there.
 const FARTHEST: f64 = 2.1;
 
-/// A level stays while the data that brought it are within this many times its reach.
+/// A level stays while the data that require it are within this multiple of its reach.
 const LINGER: f64 = 1.25;
 
-/// Part of its reach that the eye may move before a level looks again for the finest data in it.
+/// Fraction of its reach that the eye may move before a level searches again for the finest data in it.
 const LOOK: f64 = 1.0 / 32.0;
 
-/// A level stays until it is needed by less than this part of what brought it.
+/// Hysteresis: a drawn level is tested with this fraction of the tolerance.
 const STAY: f64 = 0.75;
 
 /// From the middle of a diamond of the icosahedron to its sharp corners, radians: atan of the golden ratio.
 const SHARP_CORNER_RAD: f64 = 1.017_221_967_897_851_4;
 
-/// Origins of buffers are rounded, metres.
+/// Bound of the rounding of buffer origins, metres.
 const ROUNDED_M: f64 = 4.0;
 
-/// The point below the eye, and what it needs.
+/// The point below the eye, and the detail needed there.
 pub struct SubEyePoint {
     diamond: u8,
-    /// Parts of the diamond's edges, 0…1.
+    /// Fractions of the diamond's edges, 0…1.
     x: f64,
     y: f64,
-    /// How far the drawn ground may be off, metres.
+    /// Allowed error of the drawn terrain, metres.
     tolerance_m: f64,
     lat_rad: f64,
     lon_rad: f64,
     radius_m: f64,
 }
 
-/// The finest data that were found about a place.
+/// The finest data found about a point.
 pub struct FinestData {
     normal: DVec3,
     lingers: bool,
@@ -64,7 +64,7 @@ pub struct FinestData {
 }
 
 impl SubEyePoint {
-    /// `None` if the eye is nowhere.
+    /// `None` if the eye's position is not finite.
     pub fn new(
         icosahedron: &Icosahedron,
         ellipsoid: &Ellipsoid,
@@ -80,7 +80,7 @@ impl SubEyePoint {
         }
         let (diamond, x, y) = icosahedron.locate(Ellipsoid::normal(eye.lat_rad, eye.lon_rad));
         let ground_m = ground.height_m(eye.lat_rad, eye.lon_rad, 0.0);
-        // Below the ground it is the distance to the ground that counts as well.
+        // Below the ground, the distance to the ground counts too.
         let above_m = (eye.height_m - ground_m).abs().max(1.0);
         let radius_m = ellipsoid.equatorial_radius_m;
         Some(Self {
@@ -103,14 +103,14 @@ impl SubEyePoint {
         }
     }
 
-    /// Quarters of a cell from a point of a lattice of `n` cells to the eye; far too many if it is out of reach.
+    /// Distance from a point of a lattice of `n` cells to the eye, in quarters of a cell; very large if out of reach.
     fn lag(&self, middle: LatticeIndex, n: i64) -> i64 {
         let from = LevelExtent::new(middle.scaled(4), 4 * n, 2 * n, Trim::Diamond);
         from.distance(self.nearest(4 * n)).unwrap_or(i64::MAX)
     }
 
-    /// Distance of samples of the finest data within a level's reach, metres; infinite on flat ground. What was found is good
-    /// for some way on.
+    /// Sample spacing of the finest data within a level's reach, metres; infinite on flat ground. A result stays valid until the eye has
+    /// moved some distance.
     fn finest_m(
         &self,
         number: u32,
@@ -138,17 +138,17 @@ impl SubEyePoint {
         finest_m
     }
 
-    /// Whether cells of `spacing_m` are too coarse for data of `finest_m`. `part` of the tolerance is taken.
+    /// Whether cells of `spacing_m` are too coarse for data of `finest_m`. `part` is the fraction of the tolerance to use.
     fn needs_finer(&self, spacing_m: f64, finest_m: f64, part: f64) -> bool {
         let tolerance_m = self.tolerance_m * part;
-        // The chord of a cell below the sphere. Nobody sees a millimetre.
+        // Depth of a cell's chord below the sphere. A millimetre is not visible.
         let sagitta_m = spacing_m * spacing_m / (8.0 * self.radius_m);
         sagitta_m > tolerance_m.max(1e-3)
             || (spacing_m * ACROSS > finest_m && spacing_m * RISE > tolerance_m)
     }
 }
 
-/// Moves, fills, begins and ends levels for an eye.
+/// Moves, fills, starts and ends levels for an eye.
 pub fn update_levels(
     levels: &mut Vec<Level>,
     found: &mut [Option<FinestData>],
@@ -161,7 +161,7 @@ pub fn update_levels(
     let radius = i64::from(options.samples / 2);
     let mut budget = options.samples_per_prepare;
     let fade_step = 1.0 / f64::from(options.fade_prepares.max(1));
-    // Whether the coarser level is drawn as it is, so that another may lie in it.
+    // Whether the coarser level is drawn unblended, so that a finer one may be inside it.
     let mut open = true;
     for number in 1..=options.levels {
         let at = number as usize;
@@ -237,18 +237,17 @@ pub fn update_levels(
     counts.samples = options.samples_per_prepare - budget;
 }
 
-/// The reach that a level is to have.
+/// The extent that a level should have.
 fn target(level: &Level, eye: &SubEyePoint) -> LevelExtent {
     level.extent_about(eye.nearest(level.n / 2).scaled(2))
 }
 
-/// Cells that the eye may be from the middle of a level that is drawn.
+/// Largest distance of the eye from the middle of a drawn level, cells.
 fn most_lag(radius: i64) -> i64 {
     radius / 10
 }
 
-/// Whether a level of this reach lies where the coarser one is drawn as it is: not in the zone where that turns into the
-/// next one.
+/// Whether an extent is where the coarser level is drawn unblended, outside the zone where that blends into the next one.
 fn lies_in(coarse: &Level, extent: &LevelExtent) -> bool {
     match &coarse.extent {
         Some(around) => around
@@ -258,7 +257,7 @@ fn lies_in(coarse: &Level, extent: &LevelExtent) -> bool {
     }
 }
 
-/// Whether something of a diamond of level 0 can be in the picture; `middle_m` is the diamond's middle, ITRF metres.
+/// Whether any part of a diamond of level 0 may be in the image; `middle_m` is the diamond's middle, ITRF metres.
 pub fn is_base_visible(
     middle_m: DVec3,
     view: &GroundView,
@@ -267,8 +266,8 @@ pub fn is_base_visible(
     cell_rad: f64,
 ) -> bool {
     let (a, b) = (ellipsoid.equatorial_radius_m, ellipsoid.polar_radius_m);
-    // Triangles reach below their corners by up to 1 − cos r of the Earth's radius, with r = e/√3 about their middle; sides are
-    // up to 1.2 times as long as the mean.
+    // Triangles are below their corners by up to 1 − cos r of the Earth's radius, with r = e/√3 about their middle. Their sides are up to
+    // 1.2 times as long as the mean.
     let sag_m = a.max(b) * 0.25 * cell_rad * cell_rad;
     let drawn = HeightRange {
         low_m: range.low_m - sag_m,
@@ -279,7 +278,7 @@ pub fn is_base_visible(
         view.eye_itrf_m,
         GroundShell::new(ellipsoid, drawn),
     );
-    // The lattice is one of normals: angles between feet in scaled space are as much larger at most as the axes differ.
+    // The lattice consists of normals. Angles between feet in scaled space are larger by at most the ratio of the axes.
     let half_rad = SHARP_CORNER_RAD * a.max(b) / a.min(b);
     let axis = (middle_m * ellipsoid.scaled_from_itrf()).normalize();
     if horizon.hides_cap(axis, half_rad) {

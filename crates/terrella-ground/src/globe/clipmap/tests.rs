@@ -1,4 +1,4 @@
-//! Tests of the clipmap, and the grounds and checks that they share.
+//! Tests of the clipmap, with the grounds and checks that they share.
 
 mod border;
 mod motion;
@@ -10,9 +10,9 @@ use glam::{DMat4, DVec3};
 use std::collections::{HashMap, HashSet};
 use terrella_frames::Geodetic;
 
-/// A ground of one rule.
+/// Ground given by a function.
 pub struct Rule {
-    /// Height at an outward normal, for heights averaged over so many radians.
+    /// Height at an outward normal, averaged over a spacing in radians.
     height: fn(DVec3, f64) -> f64,
     finest_rad: f64,
 }
@@ -34,7 +34,7 @@ impl Elevation for Rule {
     }
 }
 
-/// Waves of many lengths, each fading out where the average is longer than it.
+/// Waves of many lengths; each fades out where the average is longer than the wave.
 pub const HILLS: Rule = Rule {
     height: |n, spacing| {
         let wave = |k: f64, amplitude: f64| {
@@ -46,13 +46,13 @@ pub const HILLS: Rule = Rule {
     finest_rad: 1e-6,
 };
 
-/// Nothing but the ellipsoid.
+/// The bare ellipsoid.
 pub const FLAT: Rule = Rule {
     height: |_, _| 0.0,
     finest_rad: f64::INFINITY,
 };
 
-/// Nothing is averaged: from −11 000 m to 9 000 m at a stroke.
+/// Not averaged: steps from −11 000 m to 9 000 m.
 pub const CLIFFS: Rule = Rule {
     height: |n, _| {
         if (n.x * 40.0).sin() * (n.z * 30.0).sin() > 0.0 {
@@ -73,7 +73,7 @@ pub const SPIKE: Rule = Rule {
     finest_rad: 1e-5,
 };
 
-/// All levels at once, small.
+/// Options for small levels that all appear at once.
 pub fn at_once(levels: u32, trim: Trim) -> ClipmapOptions {
     ClipmapOptions {
         samples: 65,
@@ -89,7 +89,7 @@ pub fn clipmap(options: ClipmapOptions) -> Clipmap {
     Clipmap::new(options).expect("sound")
 }
 
-/// From a place, looking anywhere: levels do not ask where.
+/// A view from a place in any direction: levels do not depend on it.
 pub fn over(lat_deg: f64, lon_deg: f64, height_m: f64) -> GroundView {
     view_from(
         Ellipsoid::WGS84.itrf_from_geodetic(Geodetic::from_degrees(lat_deg, lon_deg, height_m)),
@@ -105,7 +105,7 @@ pub fn view_from(eye_itrf_m: DVec3) -> GroundView {
     }
 }
 
-/// Brings all levels, however long that takes.
+/// Prepares until all levels are there.
 pub fn settle(map: &mut Clipmap, view: &GroundView, ground: &dyn Elevation) {
     for _ in 0..150 {
         map.prepare(view, ground);
@@ -123,7 +123,7 @@ fn place(point: Point) -> DVec3 {
     DVec3::from_array(point.map(f64::from_bits))
 }
 
-/// All triangles that are drawn, those out of the picture included, as exact positions.
+/// All drawn triangles, including those outside the image, as exact positions.
 pub fn triangles(map: &Clipmap) -> Vec<[Point; 3]> {
     let finest = map.counts.finest as usize;
     let mut all = Vec::new();
@@ -141,7 +141,7 @@ pub fn triangles(map: &Clipmap) -> Vec<[Point; 3]> {
     all
 }
 
-/// Each edge of two triangles, once each way; one closed surface of the sphere's kind, its outside outside.
+/// Each edge has two triangles, one in each direction. The surface is closed, topologically a sphere, and faces outwards.
 pub fn assert_closed(map: &Clipmap, what: &str) {
     let all = triangles(map);
     let mut edges = HashSet::with_capacity(all.len() * 3);
@@ -191,7 +191,7 @@ pub fn odd_places() -> Vec<(f64, f64)> {
     for k in 0..5 {
         let k = f64::from(k);
         places.extend([(26.565, 72.0 * k), (-26.565, 36.0 + 72.0 * k)]);
-        // On edges, beside corners, and in the middle of faces.
+        // Places on edges, beside corners, and in the middle of faces.
         places.extend([
             (60.0, 72.0 * k),
             (26.0, 72.0 * k + 1.0),

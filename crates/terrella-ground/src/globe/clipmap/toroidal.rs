@@ -5,24 +5,24 @@ use crate::globe::surface::{GroundVertex, Patch};
 use glam::DVec3;
 use std::ops::Range;
 
-/// Of a slot that holds nothing.
+/// Tag of an empty slot.
 const NOTHING: [u32; 2] = [u32::MAX; 2];
 
-/// Unchanged vertices that are sent along between two changed ones sooner than open a new range.
+/// Longest run of unchanged vertices that is sent between two changed ones instead of opening a new range.
 const GAP: u32 = 16;
 
-/// Slots of the points of a box, without a division each.
+/// Slots of the points of a box, without a division for each point.
 pub struct Slots {
     least: (i64, i64),
     rows: [u32; MOST_SIDE],
     columns: [u32; MOST_SIDE],
 }
 
-/// Slots of a row at most.
+/// Largest number of slots in a row.
 const MOST_SIDE: usize = 257;
 
 impl Slots {
-    /// Those of the box from (i, j), as wide as a buffer at most, in buffers with rows of `side` slots.
+    /// Slots of the box from (i, j), at most as wide as a buffer, in buffers with rows of `side` slots.
     pub fn new(least: (i64, i64), side: u32) -> Self {
         let (mut rows, mut columns) = ([0; MOST_SIDE], [0; MOST_SIDE]);
         for k in 0..side {
@@ -43,17 +43,17 @@ impl Slots {
     }
 }
 
-/// The samples of a level that lie in one diamond. Point (i, j) lives in slot (i mod side, j mod side): what stays within
-/// reach stays where it is.
+/// The samples of a level in one diamond. Point (i, j) is in slot (i mod side, j mod side): samples that stay within the extent keep their
+/// slots.
 pub struct ToroidalBuffer {
     pub diamond: u8,
     side: u32,
-    /// Whose sample each slot holds.
+    /// The point whose sample each slot holds.
     tags: Vec<[u32; 2]>,
-    /// The samples as they are; [`Patch::vertices`] are those as they are drawn.
+    /// The level's own samples; [`Patch::vertices`] are the drawn ones.
     own: Vec<GroundVertex>,
     pub patch: Patch,
-    /// A bit for each sample whose height has changed since it was read; empty where none has.
+    /// A bit for each sample whose height has changed since it was read; empty if none has.
     stale: Vec<u64>,
     /// A bit for each vertex that differs from the revision before.
     dirty: Vec<u64>,
@@ -83,7 +83,7 @@ impl ToroidalBuffer {
         }
     }
 
-    /// Takes the buffer for another diamond; all it held is gone. `revision` must be later than any that went out.
+    /// Reuses the buffer for another diamond and drops its content. `revision` must be later than any published one.
     pub fn retake(&mut self, diamond: u8, key: u64, revision: u64) {
         self.diamond = diamond;
         self.tags.fill(NOTHING);
@@ -103,12 +103,12 @@ impl ToroidalBuffer {
         self.side
     }
 
-    /// Whether a slot, that of point (i, j), holds its sample.
+    /// Whether the slot of point (i, j) holds its sample.
     pub fn has(&self, slot: usize, i: i64, j: i64) -> bool {
         self.tags[slot] == [i as u32, j as u32]
     }
 
-    /// The sample of a point that is held.
+    /// The sample of a point; the buffer must hold it.
     pub fn own(&self, i: i64, j: i64) -> &GroundVertex {
         debug_assert!(
             self.has(self.slot(i, j), i, j),
@@ -132,7 +132,7 @@ impl ToroidalBuffer {
         }
     }
 
-    /// Notes that heights of samples have changed, those of the points that `is_changed`.
+    /// Marks held samples as stale, those of the points where `is_changed` returns true.
     pub fn mark_stale(&mut self, mut is_changed: impl FnMut(i64, i64) -> bool) {
         for (slot, tag) in self.tags.iter().enumerate() {
             let [i, j] = tag.map(i64::from);
@@ -143,7 +143,7 @@ impl ToroidalBuffer {
         }
     }
 
-    /// Drops samples whose heights have changed, of the points that `is_meant`: they are read as if they had never been held.
+    /// Drops stale samples of the points where `is_meant` returns true; they are read again as new.
     pub fn drop_stale(&mut self, is_meant: impl Fn(i64, i64) -> bool) {
         for word in 0..self.stale.len() {
             let mut left = self.stale[word];
@@ -159,7 +159,7 @@ impl ToroidalBuffer {
         }
     }
 
-    /// Gives points to `read`, which puts them again, whose heights have changed and that `is_meant`, while there is budget.
+    /// Passes stale points where `is_meant` returns true to `read`, which stores them again, while the budget lasts.
     pub fn take_stale(
         &mut self,
         is_meant: &impl Fn(i64, i64) -> bool,
@@ -174,7 +174,7 @@ impl ToroidalBuffer {
                 left &= left - 1;
                 let [i, j] = self.tags[slot].map(i64::from);
                 if self.tags[slot] == NOTHING {
-                    // Lost since then.
+                    // Dropped since then.
                     self.stale[word] &= !(1 << (slot % 64));
                 } else if is_meant(i, j) && *budget > 0 {
                     *budget -= 1;
@@ -189,9 +189,9 @@ impl ToroidalBuffer {
         }
     }
 
-    /// Sets how a vertex is drawn.
+    /// Sets a drawn vertex.
     pub fn draw(&mut self, slot: usize, vertex: GroundVertex) {
-        // Bits and not values: −0 is not 0 here.
+        // Compare bits, not values: −0 is not 0 here.
         if bytemuck::bytes_of(&self.patch.vertices[slot]) != bytemuck::bytes_of(&vertex) {
             self.patch.vertices[slot] = vertex;
             self.dirty[slot / 64] |= 1 << (slot % 64);
@@ -199,8 +199,8 @@ impl ToroidalBuffer {
         }
     }
 
-    /// Moves the origin. Sums of origin and offset stay the same to the last bit; samples for which they would not, because
-    /// they lie farther than `most_m` from it along some axis, are dropped.
+    /// Moves the origin. Sums of origin and offset stay the same to the last bit. Samples farther than `most_m` from it along some axis,
+    /// for which they would not, are dropped.
     pub fn rebase(&mut self, origin_itrf_m: DVec3, most_m: f64) {
         let shift = self.patch.origin_itrf_m - origin_itrf_m;
         self.patch.origin_itrf_m = origin_itrf_m;
@@ -215,7 +215,7 @@ impl ToroidalBuffer {
         self.is_dirty = true;
     }
 
-    /// Makes what changed the patch's next revision.
+    /// Publishes the changes as the patch's next revision.
     pub fn publish(&mut self) {
         if !std::mem::take(&mut self.is_dirty) {
             return;

@@ -1,17 +1,17 @@
-//! Which triangles a level draws: its reach less that of the finer one, with an outer border of half the rate.
+//! The triangles that a level draws: its extent minus that of the finer one, with an outer border at half the rate.
 
 use super::lattice::{LatticeIndex, Triangle};
 use super::level_extent::{DiamondExtent, LevelExtent};
 use std::ops::Range;
 
-/// Appends the triangles of a level in one diamond, three numbers each, square by square.
+/// Appends the triangles of a level in one diamond, three indices each, square by square.
 ///
-/// The level reaches whole triangles of the next coarser lattice. Each is cut in four; where the triangle across an edge is
-/// not within reach, that edge stays whole, for the coarser level draws it whole. What the finer level reaches is left out.
+/// The level covers whole triangles of the next coarser lattice. Each is cut in four. If the triangle across an edge is outside the extent,
+/// that edge stays whole, because the coarser level draws it whole. The finer level's extent is left out.
 ///
-/// * `reach` – the level's reach in the coarser lattice.
-/// * `hole` – the finer level's reach in the lattice of this level.
-/// * `slot` – number of the vertex at (i, j).
+/// * `extent` – the level's extent in the coarser lattice.
+/// * `hole` – the finer level's extent in the lattice of this level.
+/// * `slot` – index of the vertex at (i, j).
 pub fn ring(
     extent: &LevelExtent,
     diamond: u8,
@@ -35,7 +35,7 @@ pub fn ring(
             if at == Hole::All {
                 continue;
             }
-            // One distance stands for the four corners: they are within two steps of each other.
+            // One distance is enough for the four corners: they are within two steps of each other.
             let inside = coarse.distance(i, j) <= r - 3;
             for far in [false, true] {
                 let triangle = Triangle {
@@ -53,7 +53,7 @@ pub fn ring(
                 let corners = triangle.corners().map(|c| (2 * c.i, 2 * c.j));
                 let kept = |t: &[(i64, i64); 3]| match (&hole, at) {
                     (Some(hole), Hole::Edge) => {
-                        // At a hole nothing is left whole: the cell's corner of least numbers, if it is one of these.
+                        // At a hole every edge is cut. The triangle is the near one if it has the cell's corner of smallest indices.
                         let least = (
                             t[0].0.min(t[1].0).min(t[2].0),
                             t[0].1.min(t[1].1).min(t[2].1),
@@ -72,7 +72,7 @@ pub fn ring(
     }
 }
 
-/// Appends all triangles of a diamond of `n` cells less those of the finer level's reach.
+/// Appends all triangles of a diamond of `n` cells, minus those of the finer level's extent.
 pub fn full(
     n: i64,
     diamond: u8,
@@ -95,10 +95,10 @@ pub fn full(
     }
 }
 
-/// Cells along the edge of a square whose triangles stand together in the list.
+/// Cells along the edge of a square whose triangles are consecutive in the list.
 const SQUARE: i64 = 16;
 
-/// A box in squares of so many cells an edge, or what is left at its end.
+/// A box in squares of `side` cells an edge, with smaller ones at its end.
 fn squares(
     least: (i64, i64),
     most: (i64, i64),
@@ -112,7 +112,7 @@ fn squares(
         .flat_map(move |rows| spans(least.1, most.1).map(move |columns| (rows.clone(), columns)))
 }
 
-/// What the hole takes of a square of cells.
+/// How much of a square of cells the hole removes.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Hole {
     Off,
@@ -120,7 +120,7 @@ enum Hole {
     All,
 }
 
-/// Of the cells from (i, j) to (i + size, j + size). A step of a king is two of a hexagon's at most.
+/// The hole's effect on the cells from (i, j) to (i + size, j + size). A king's step is at most two of a hexagon's.
 fn hole_at(hole: &DiamondExtent<'_>, i: i64, j: i64, size: i64) -> Hole {
     let beyond = hole.distance(i, j) - hole.radius();
     if beyond > 2 * size {
@@ -132,10 +132,10 @@ fn hole_at(hole: &DiamondExtent<'_>, i: i64, j: i64, size: i64) -> Hole {
     }
 }
 
-/// Cuts a triangle (corners a, b, c, all even) in four, or less where the edges ab, bc, ca must stay whole.
+/// Cuts a triangle (corners a, b, c, all even) in four, or fewer where the edges ab, bc, ca must stay whole.
 fn cut(corners: [(i64, i64); 3], whole: [bool; 3], mut out: impl FnMut([(i64, i64); 3])) {
     let mid = |x: (i64, i64), y: (i64, i64)| ((x.0 + y.0) / 2, (x.1 + y.1) / 2);
-    // Turned so that whole edges come first.
+    // Rotated so that whole edges come first.
     let turn = match whole {
         [false, true, false] | [false, true, true] => 1,
         [false, false, true] | [true, false, true] => 2,

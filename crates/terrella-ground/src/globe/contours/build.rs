@@ -1,4 +1,4 @@
-//! Building a tree of contours. What is built depends on the heights alone.
+//! Building a tree of contours. The result depends on the heights alone.
 
 use super::dem::{Dem, Span, cells, quarters};
 use super::plane::{Contour, Support, fit, fit_points};
@@ -6,15 +6,15 @@ use super::tree::{BudgetError, ContourTree, Node, TreeStats, corners_m};
 use glam::DVec3;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Below this cosine to the vertical a plane is no ground: over a column it would rise a thousandfold.
+/// Below this cosine to the vertical a plane is not usable as ground: over a column it would rise a thousandfold.
 const MIN_COSINE: f64 = 1e-3;
-/// Below this cosine a plane is taken only if its slab, measured upwards, is thinner than that of the level one: of a narrow
-/// column with a cliff in it, it may reach far above and below all samples.
+/// Below this cosine a plane is used only if its slab, measured upwards, is thinner than that of the level plane. In a narrow column with a
+/// cliff it may extend far above and below all samples.
 const STEEP_COSINE: f64 = 0.5;
 
 impl ContourTree {
-    /// Builds the tree: a span is cut in quarters until its slab is not thicker than the tolerance (0: until single
-    /// cells, unless flat to 10 μm). Takes at most `budget_bytes`, in which each node counts twice: while it is put in place.
+    /// Builds the tree: a span is cut in quarters until its slab is not thicker than the tolerance. A tolerance of 0 cuts down to single
+    /// cells, unless they are flat to 10 μm. Uses at most `budget_bytes`, in which each node counts twice while it is put in place.
     ///
     /// # Errors
     /// A tree beyond the budget.
@@ -34,12 +34,12 @@ impl ContourTree {
     }
 }
 
-/// What nodes are fitted with. Threads may share it.
+/// Shared state for fitting nodes. Threads may share it.
 pub struct TreeBuilder<'a> {
     pub dem: &'a Dem,
-    /// As given, and at least 10 μm.
+    /// The given tolerance, or 10 μm if that is larger.
     pub tolerance_m: f64,
-    /// Nodes so far, of all threads.
+    /// Number of nodes so far, of all threads.
     nodes: AtomicU64,
     max_nodes: u64,
 }
@@ -55,7 +55,7 @@ impl<'a> TreeBuilder<'a> {
         }
     }
 
-    /// The nodes over all samples; `None` if they are too many.
+    /// The nodes over all samples; `None` if there are too many.
     fn whole(&self) -> Option<(Vec<Node>, TreeStats)> {
         self.take(1)?;
         let (root, is_upright) = self.node(self.dem.span(), 0, Some(&mut Vec::new()));
@@ -64,13 +64,13 @@ impl<'a> TreeBuilder<'a> {
         Some((nodes, stats))
     }
 
-    /// A node and all that is below it, numbered from the node, which is its own parent; `None` once there are too many. The
-    /// ceilings of its `ancestors`, the nearest first, are raised over all that the leaves draw.
+    /// A node and everything below it, numbered from the node, which is its own parent; `None` once there are too many. The ceilings of its
+    /// `ancestors`, the nearest first, are raised over all terrain that the leaves draw.
     pub fn subtree(&self, root: Node, ancestors: &mut [Node]) -> Option<(Vec<Node>, TreeStats)> {
         let mut stats = TreeStats::default();
         let mut scratch = Vec::new();
         let whole = cells(root.span) as usize;
-        // As many as a full tree has; grids of odd sizes may take a few more.
+        // The number of a full tree; grids of odd sizes may need a few more.
         let mut nodes = Vec::with_capacity(whole + whole / 3 + 8);
         nodes.push(Node { parent: 0, ..root });
         let mut next = 0;
@@ -98,7 +98,7 @@ impl<'a> TreeBuilder<'a> {
                 ancestor.raise_over(&corners);
             }
         }
-        // Nodes stand level by level: the last is among the deepest.
+        // Nodes are ordered level by level: the last is among the deepest.
         stats.depth = ancestors.len() as u32;
         let mut last = nodes.len() - 1;
         while last > 0 {
@@ -113,14 +113,14 @@ impl<'a> TreeBuilder<'a> {
         quarters(node.span).filter(|_| node.contour.thickness_m() > self.tolerance_m)
     }
 
-    /// Takes nodes out of the budget; `None` if they are too many.
+    /// Takes nodes from the budget; `None` if there are too many.
     pub fn take(&self, more: u64) -> Option<()> {
         let before = self.nodes.fetch_add(more, Ordering::Relaxed);
         (before + more <= self.max_nodes).then_some(())
     }
 
-    /// The node of a span, and whether its best plane stands upright. Samples are gathered in `scratch`; without it they are
-    /// computed again and again, as those of spans that are too large to hold.
+    /// The node of a span, and whether its best plane is upright. Samples are collected in `scratch`. Without it they are computed
+    /// repeatedly, for spans that are too large to hold.
     pub fn node(&self, span: Span, parent: u32, scratch: Option<&mut Vec<DVec3>>) -> (Node, bool) {
         let dem = self.dem;
         let [west, east, south, north] = span;
@@ -161,7 +161,7 @@ impl<'a> TreeBuilder<'a> {
     }
 }
 
-/// Raises the ceilings of a node and of all above it over corners that are drawn.
+/// Raises the ceilings of a node and of all its ancestors over drawn corners.
 pub fn raise(nodes: &mut [Node], mut at: usize, corners_m: &[DVec3; 4]) {
     loop {
         nodes[at].raise_over(corners_m);
@@ -173,7 +173,7 @@ pub fn raise(nodes: &mut [Node], mut at: usize, corners_m: &[DVec3; 4]) {
 }
 
 impl Node {
-    /// Raises the ceiling over corners, and a hair more than rounding.
+    /// Raises the ceiling over corners, with a margin that exceeds rounding.
     fn raise_over(&mut self, corners_m: &[DVec3; 4]) {
         let Contour { normal, at_m, .. } = self.contour;
         let rises = corners_m.map(|corner| normal.dot(corner - at_m));
@@ -192,7 +192,7 @@ impl TreeStats {
     }
 }
 
-/// Distance to the farthest place that a sample of the span could have, metres.
+/// Distance to the farthest possible position of a sample of the span, metres.
 pub fn radius_m(dem: &Dem, [west, east, south, north]: Span, at_m: DVec3) -> f64 {
     let mut radius_m = 0.0f64;
     for (i, j) in [(west, south), (east, south), (west, north), (east, north)] {

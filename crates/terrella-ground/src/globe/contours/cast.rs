@@ -1,10 +1,10 @@
 //! Casting rays at contours.
 //!
-//! The ground is solid: below the plane halfway between a leaf's contours, inside the leaf's column, out to any depth. A
-//! ray meets it where it crosses that plane, or at the wall between two columns where it comes in below the plane, so that
-//! no step between neighbouring contours lets a ray through. The walk goes down the quadtree, near children first, with the
-//! stretch of the ray inside each column; a node whose ceiling the ray stays above is left out whole, and nothing is
-//! looked at beyond the nearest hit so far. No recursion and no allocation: a stack of 4 entries a level.
+//! The ground is solid: below the plane halfway between a leaf's contours, inside the leaf's column, to any depth. A ray hits it where it
+//! crosses that plane, or at the wall between two columns where it enters below the plane. No step between neighbouring contours therefore
+//! lets a ray through. The walk descends the quadtree, near children first, with the ray's interval inside each column. A node whose
+//! ceiling the ray stays above is skipped, and nothing beyond the nearest hit so far is tested. There is no recursion and no allocation:
+//! the stack has 4 entries a level.
 
 use super::dem::{Dem, HalfSpace};
 use super::tree::{ContourTree, Node};
@@ -12,29 +12,28 @@ use glam::DVec3;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Where it begins, metres from the DEM's origin.
+    /// Start point, metres from the DEM's origin.
     pub from_m: DVec3,
     /// Unit direction.
     pub towards: DVec3,
-    /// Nothing beyond is of interest, metres.
+    /// Largest distance, metres; hits beyond are ignored.
     pub most_m: f64,
-    /// A node counts as a leaf where its slab is thinner than this times the distance: pixels × radians a pixel. 0 goes
-    /// down to the leaves.
+    /// A node counts as a leaf if its slab is thinner than this times the distance: pixels × radians per pixel. 0 descends to the leaves.
     pub cone: f64,
 }
 
-/// Where a ray meets the ground.
+/// Intersection of a ray with the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// Along the ray, metres. 0 for a ray that begins in the ground.
+    /// Distance along the ray, metres. 0 for a ray that begins in the ground.
     pub distance_m: f64,
-    /// The node it met.
+    /// Index of the node that was hit.
     pub node: u32,
-    /// It came through the wall of a column, not through the top.
+    /// Whether the ray hit the wall of a column instead of the top.
     pub wall: bool,
 }
 
-/// The part t0…t1 of a ray inside a column; empty if t0 > t1.
+/// The interval t0…t1 of a ray inside a column; empty if t0 > t1.
 fn inside(ray: &Ray, column: &[HalfSpace; 4], (mut t0, mut t1): (f64, f64)) -> (f64, f64) {
     for (n, d) in column {
         let (lacks, gains) = (d - n.dot(ray.from_m), n.dot(ray.towards));
@@ -68,7 +67,7 @@ fn top(ray: &Ray, node: &Node, index: u32, (t0, t1): (f64, f64)) -> Option<Hit> 
 }
 
 impl ContourTree {
-    /// Where a ray first meets the ground.
+    /// First intersection of a ray with the ground.
     pub fn cast(&self, dem: &Dem, ray: &Ray) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         let mut stack = [(0u32, 0.0f64, 0.0f64); 128];
@@ -106,7 +105,7 @@ impl ContourTree {
                 let column = dem.column(self.nodes[k as usize].span);
                 let (t0, t1) = inside(ray, &column, whole);
                 if t0 <= t1 {
-                    // Insertion: the farthest at the bottom.
+                    // Insertion sort: the farthest at the bottom.
                     let mut at = height;
                     while at > first && stack[at - 1].1 < t0 {
                         stack[at] = stack[at - 1];
@@ -120,7 +119,7 @@ impl ContourTree {
         best
     }
 
-    /// The same by looking at every leaf: what [`Self::cast`] is compared with.
+    /// The same by testing every leaf: reference for [`Self::cast`].
     #[cfg(test)]
     pub fn cast_at_all(&self, dem: &Dem, ray: &Ray) -> Option<Hit> {
         let mut best: Option<Hit> = None;

@@ -1,38 +1,38 @@
-//! A grid of heights and where its samples lie in space.
+//! A grid of heights and the positions of its samples in space.
 
 use crate::elevation::{Bounds, HeightRange};
 use glam::{DVec2, DVec3};
 use terrella_frames::Ellipsoid;
 
-/// Most samples of a grid: 16 385 × 16 385.
+/// Largest number of samples of a grid: 16 385 × 16 385.
 pub const MAX_SAMPLES: u64 = 16_385 * 16_385;
 
-/// Heights that are rejected.
+/// Heights or sizes that are rejected.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum DemError {
-    /// The sizes do not fit the number of heights, are 0, or too large.
+    /// The sizes do not match the number of heights, are 0, or too large.
     #[error(
         "a DEM of {columns} × {rows} samples came with {heights} heights; it needs 1 to 268 468 225 and as many as it says"
     )]
     Size {
         columns: u32,
         rows: u32,
-        /// Heights given.
+        /// Number of heights given.
         heights: usize,
     },
-    /// A height is no finite number, or beyond ±10⁶ m.
+    /// A height is not finite, or beyond ±10⁶ m.
     #[error(
         "the DEM's height in column {column}, row {row} is {height_m}; it must be within ±1 000 000 m (fill voids first)"
     )]
     Height {
-        /// From the west, 0 first.
+        /// Column, from the west, starting at 0.
         column: u32,
-        /// From the south, 0 first.
+        /// Row, from the south, starting at 0.
         row: u32,
-        /// As given.
+        /// The given height.
         height_m: f32,
     },
-    /// Steps of a flat grid are not positive, or bounds wider than a quarter turn, or empty.
+    /// Steps of a flat grid are not positive, or bounds are wider than 90° or empty.
     #[error(
         "the DEM's bounds are invalid: steps must be positive and bounds less than a quarter turn each way"
     )]
@@ -44,22 +44,22 @@ pub enum DemError {
 pub enum DemFrame {
     /// x east, y north, z up, metres, the south-west sample at x = y = 0.
     Flat {
-        /// Between columns and between rows, metres.
+        /// Distances between columns and between rows, metres.
         step_m: DVec2,
     },
     /// On the ellipsoid, heights along its normal. Positions are ITRF metres from [`Dem::origin_m`].
     Geodetic {
-        /// Figure of the Earth that heights stand on.
+        /// Figure of the Earth that heights are measured from.
         ellipsoid: Ellipsoid,
-        /// From the first to the last sample each way.
+        /// From the first to the last sample, both ways.
         bounds: Bounds,
     },
 }
 
-/// Half of space: the points p with n·p ≥ d.
+/// Half-space: the points p with n·p ≥ d.
 pub type HalfSpace = (DVec3, f64);
 
-/// Samples `[west, east, south, north]`, the last ones included.
+/// Samples `[west, east, south, north]`, the last ones inclusive.
 pub type Span = [u32; 4];
 
 /// A grid of heights, metres, row by row from the south, each from the west.
@@ -79,7 +79,7 @@ pub struct Dem {
 }
 
 impl Dem {
-    /// A grid of 1 × 1 or more. Rows run from the south northwards.
+    /// Makes a grid of 1 × 1 or more. Rows run from the south northwards.
     pub fn new(
         columns: u32,
         rows: u32,
@@ -166,25 +166,25 @@ impl Dem {
         Ok(())
     }
 
-    /// The same with columns that hold their corners at these heights too: neighbours that share such heights overlap there,
-    /// whatever their own are.
+    /// Extends the columns so that they contain their corners at these heights too. Neighbours with the same extension overlap there,
+    /// whatever their own heights.
     pub fn reaching(mut self, heights: HeightRange) -> Self {
         self.range.low_m = self.range.low_m.min(heights.low_m);
         self.range.high_m = self.range.high_m.max(heights.high_m);
         self
     }
 
-    /// Lowest and highest of the heights, and of those of [`Self::reaching`].
+    /// Lowest and highest of the heights, including those of [`Self::reaching`].
     pub fn range_m(&self) -> HeightRange {
         self.range
     }
 
-    /// What positions are measured from: 0 for a flat grid, otherwise ITRF metres.
+    /// Origin of positions: 0 for a flat grid, otherwise ITRF metres.
     pub fn origin_m(&self) -> DVec3 {
         self.origin_m
     }
 
-    /// Unit vector upwards in the middle.
+    /// Unit vector upwards at the grid's middle.
     pub fn up(&self) -> DVec3 {
         self.up
     }
@@ -194,14 +194,14 @@ impl Dem {
         [0, self.columns - 1, 0, self.rows - 1]
     }
 
-    /// A height, metres; beyond the edge that of the edge.
+    /// A height, metres; indices beyond the edge are clamped.
     pub fn height_m(&self, i: i64, j: i64) -> f64 {
         let i = i.clamp(0, i64::from(self.columns) - 1) as usize;
         let j = j.clamp(0, i64::from(self.rows) - 1) as usize;
         f64::from(self.heights_m[j * self.columns as usize + i])
     }
 
-    /// Where column i and row j have a height, metres from [`Self::origin_m`].
+    /// Position of column i and row j at a height, metres from [`Self::origin_m`].
     pub fn lifted_m(&self, i: u32, j: u32, height_m: f64) -> DVec3 {
         match self.frame {
             DemFrame::Flat { step_m } => {
@@ -216,17 +216,16 @@ impl Dem {
         }
     }
 
-    /// Where a sample lies, metres from [`Self::origin_m`].
+    /// Position of a sample, metres from [`Self::origin_m`].
     pub fn point_m(&self, i: u32, j: u32) -> DVec3 {
         self.lifted_m(i, j, self.height_m(i64::from(i), i64::from(j)))
     }
 
     /// The column of space over a span: west, east, south, north.
     ///
-    /// Flat: its four walls. On the ellipsoid meridians are planes, which hold all their normals; parallels are cones, and
-    /// in their place stand the planes along the normal in the middle of the edge, moved out until the column holds its
-    /// corners at every height of the grid. Columns of neighbours in latitude then overlap by the sagitta of their edge,
-    /// w² tan φ/8R: 2 cm for 1 km at 45°.
+    /// Flat grid: its four walls. On the ellipsoid meridians are planes, which contain all their normals. Parallels are cones; each is
+    /// replaced by the plane along the normal at the edge's middle. That plane is moved out until the column contains its corners at every
+    /// height of the grid. Columns of neighbours in latitude then overlap by the sagitta of their edge, w² tan φ/8R: 2 cm for 1 km at 45°.
     pub fn column(&self, [west, east, south, north]: Span) -> [HalfSpace; 4] {
         match self.frame {
             DemFrame::Flat { step_m } => {
@@ -266,7 +265,7 @@ impl Dem {
     }
 }
 
-/// What is asked of whole grids that are measured.
+/// Properties of whole grids that are measured.
 impl Dem {
     /// Samples from west to east.
     pub fn columns(&self) -> u32 {
@@ -289,16 +288,15 @@ impl Dem {
     }
 }
 
-/// Cells of a span; a way without width counts as one.
+/// Cells of a span; a direction without width counts as one.
 pub fn cells([west, east, south, north]: Span) -> u64 {
     u64::from(east - west).max(1) * u64::from(north - south).max(1)
 }
 
-/// The halves of a span at its middle sample: one to four spans that share their edges, south-west first. A way that is
-/// one cell across is not cut; `None` if neither can be.
+/// Divides a span at its middle sample: one to four spans that share their edges, south-west first. A direction with one cell is not cut;
+/// `None` if neither can be.
 ///
-/// The cut of a range of cells depends on the range alone, so neighbours of one depth have the same cuts whatever the
-/// grid's size.
+/// The cut of a range of cells depends on the range alone, so neighbours at one depth have the same cuts whatever the grid's size.
 pub fn quarters([west, east, south, north]: Span) -> Option<([Span; 4], usize)> {
     let (x, y) = (west + (east - west) / 2, south + (north - south) / 2);
     let mut out = [[0; 4]; 4];

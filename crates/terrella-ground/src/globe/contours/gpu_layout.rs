@@ -1,21 +1,21 @@
-//! The tree as the GPU gets it, and the shader's walk in Rust.
+//! The tree in the GPU's layout, and the shader's walk in Rust.
 //!
-//! `shaders/earth/surface_point/contour_tree.wgsl` has the same names; its `contour_cast` does what [`contour_cast`] does, operation
-//! by operation, in f32. Positions are metres from the DEM's origin; a ray is handed over from there too, so that both are
-//! small. 128 bytes a node, children after each other. A buffer may hold several trees after each other: a walk is given the place of its root.
+//! `shaders/earth/surface_point/contour_tree.wgsl` has the same names; its `contour_cast` does the same as [`contour_cast`], operation by
+//! operation, in f32. Positions are metres from the DEM's origin. A ray is passed relative to that origin too, so that both are small. A
+//! node has 128 bytes, and children are consecutive. A buffer may hold several trees one after another: a walk takes the index of its root.
 
 use super::dem::{Dem, Span};
 use super::tree::ContourTree;
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, Vec3, Vec4};
 
-/// A node as the shader reads it.
+/// A node in the shader's layout.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct ContourNode {
-    /// Unit normal of its planes.
+    /// Unit normal of the node's planes.
     pub normal: Vec3,
-    /// Signed distance from the centroid's plane over which nothing rises that is drawn, metres.
+    /// Upper bound of the signed distance of drawn terrain from the centroid's plane, metres.
     pub ceiling: f32,
     /// The centroid, metres.
     pub at: Vec3,
@@ -23,19 +23,20 @@ pub struct ContourNode {
     pub middle: f32,
     /// West, east, south, north: inside is where xyz·p ≥ w.
     pub walls: [Vec4; 4],
-    /// First child, counted from the root; 0 for a leaf.
+    /// First child, relative to the root; 0 for a leaf.
     pub first: u32,
     /// Number of children.
     pub children: u32,
-    /// Of the slab, metres.
+    /// Thickness of the slab, metres.
     pub thickness: f32,
-    /// 0.
+    /// Always 0.
     pub unused: f32,
-    /// For shading: where the ground's normal points at the corners SW, SE, NW, NE, packed by `pack_slope`.
+    /// For shading: direction of the ground's normal at the corners SW, SE, NW, NE, packed by `pack_slope`.
     pub slopes: [u32; 4],
 }
 
-/// Rise to the east and to the north, metres per metre, as the east and north parts of the unit normal in 16 bits each.
+/// Packs the rise to the east and to the north, metres per metre. It stores the east and north components of the unit normal in 16 bits
+/// each.
 fn pack_slope(slope: DVec2) -> u32 {
     let slope = slope.clamp(DVec2::splat(-1e3), DVec2::splat(1e3));
     let normal = -slope / (1.0 + slope.length_squared()).sqrt();
@@ -47,8 +48,7 @@ fn pack_slope(slope: DVec2) -> u32 {
 pub const STACK: usize = 24;
 
 impl ContourTree {
-    /// All nodes, the root first, appended to `out`. `slope` gives the rise of the ground at a sample, to the east and to the
-    /// north.
+    /// Appends all nodes to `out`, the root first. `slope` returns the rise of the ground at a sample, to the east and to the north.
     pub fn write_gpu_nodes(
         &self,
         dem: &Dem,
@@ -61,7 +61,7 @@ impl ContourTree {
         };
         let gpu_node = |node: &super::tree::Node| ContourNode {
             normal: node.contour.normal.as_vec3(),
-            // Rounding of positions to f32 must not lower it.
+            // Rounding of positions to f32 must not lower the ceiling.
             ceiling: (node.ceiling_m + 1e-6 * node.contour.at_m.length()) as f32,
             at: node.contour.at_m.as_vec3(),
             middle: (0.5 * (node.contour.low_m + node.contour.high_m)) as f32,
@@ -78,26 +78,25 @@ impl ContourTree {
     }
 }
 
-/// A ray as the shader has it.
+/// A ray in the shader's layout.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContourRay {
-    /// Where it begins, metres from the tree's origin.
+    /// Start point, metres from the tree's origin.
     pub from: Vec3,
     /// Unit direction.
     pub towards: Vec3,
-    /// Nothing beyond is of interest, metres.
+    /// Largest distance, metres; hits beyond are ignored.
     pub most: f32,
-    /// A node counts as a leaf where its slab is thinner than this times the distance: the pixels of error times radians a
-    /// pixel.
+    /// A node counts as a leaf if its slab is thinner than this times the distance: pixels of error × radians per pixel.
     pub cone: f32,
-    /// Columns are wider by this on all sides, metres: for rays between trees whose origins round them differently.
+    /// Columns are widened by this on all sides, metres, for rays between trees whose origins round them differently.
     pub slack: f32,
-    /// A ray that enters the tree's column deeper in the ground than this came from below other ground: it meets nothing.
-    /// Metres; of neighbours one lies lower than the other by no more.
+    /// A ray that enters the tree's column deeper in the ground than this, metres, came from below other ground: it hits nothing.
+    /// Neighbours differ in height by at most this.
     pub step: f32,
 }
 
-/// The stretch of a ray inside a node's column; x > y if there is none.
+/// The interval of a ray inside a node's column; x > y if there is none.
 fn contour_column(node: &ContourNode, ray: &ContourRay) -> (f32, f32) {
     let (mut t0, mut t1) = (0.0f32, ray.most);
     for wall in node.walls {
@@ -114,7 +113,7 @@ fn contour_column(node: &ContourNode, ray: &ContourRay) -> (f32, f32) {
     (t0, t1)
 }
 
-/// Where a ray first meets the ground of the tree at `root`, metres along it, and the node; see [`ContourTree::cast`].
+/// First intersection of a ray with the ground of the tree at `root`: distance in metres, and the node. See [`ContourTree::cast`].
 pub fn contour_cast(nodes: &[ContourNode], root: u32, ray: &ContourRay) -> Option<(f32, u32)> {
     let mut best = (ray.most, u32::MAX);
     let mut stack = [(0u32, 0.0f32, 0.0f32); STACK];
@@ -223,11 +222,11 @@ mod tests {
             at(0.99),
             at(1.0)
         );
-        // Rays that graze a crest go on to the next one in one of the two.
+        // Rays that graze a crest reach the next one in one of the two.
         assert!(at(0.99) < 0.1 && other <= 3 && offs.len() > 2_000);
     }
 
-    /// The east and north parts of the unit normal, as a shader's `unpack2x16snorm` has them.
+    /// The east and north components of the unit normal, as a shader's `unpack2x16snorm` returns them.
     fn unpack_normal(packed: u32) -> Vec2 {
         let part = |bits: u32| (f32::from(bits as u16 as i16) / 32_767.0).max(-1.0);
         Vec2::new(part(packed), part(packed >> 16))

@@ -1,11 +1,10 @@
-//! Bicubic patches by what they do at their corners, and how a finer patch takes over the edge of a coarser one.
+//! Bicubic patches defined by values at their corners, and how a finer patch adopts the edge of a coarser one.
 //!
-//! A corner has a height and its derivatives by u, by v and by both, each per lattice step. On an edge the height is the
-//! cubic of (z, z_t) at its two ends, and the derivative across it is the cubic of (z_n, z_nt) there. So two patches with
-//! the same four numbers at both ends of an edge join with one height and one tangent plane all along it; and where a
-//! corner lies inside the edge of a coarser patch, it takes its four numbers from that edge, after which the finer
-//! patches' edge is a piece of the coarser one's and the same holds. In Bézier form: equal boundary control points, and
-//! cross-boundary differences proportional with the one α > 0 that is the ratio of the patches' widths. No patch needs
+//! A corner has a height and its derivatives by u, by v and by both, each per lattice step. On an edge the height is the cubic of (z, z_t)
+//! at its two ends. The derivative across it is the cubic of (z_n, z_nt) there. Two patches with the same four numbers at both ends of an
+//! edge therefore share one height and one tangent plane all along it. A corner inside the edge of a coarser patch takes its four numbers
+//! from that edge. The finer patches' edge is then a piece of the coarser one's, and the same is true. In Bézier form: equal boundary
+//! control points, and cross-boundary differences proportional with the one α > 0 that is the ratio of the patches' widths. No patch needs
 //! more than its neighbours' corners, whatever the difference of levels.
 
 /// Height, its derivatives by u and by v, and by both, per lattice step.
@@ -27,13 +26,13 @@ pub fn cubic(b: [f64; 4], t: f64) -> (f64, f64) {
     (lerp(p, q, t), 3.0 * (q - p))
 }
 
-/// Bézier values of the cubic that has a height and slope (per step) at both ends of `steps` steps.
+/// Bézier values of the cubic with the given height and slope (per step) at both ends of `steps` steps.
 pub fn bezier_values(a: (f64, f64), b: (f64, f64), steps: f64) -> [f64; 4] {
     let third = steps / 3.0;
     [a.0, a.0 + third * a.1, b.0 - third * b.1, b.0]
 }
 
-/// What a corner must be at `t` of the way from `a` to `b`, an edge of `steps` steps along u (or v): the coarser edge's.
+/// The corner that the coarser edge requires at `t` of the way from `a` to `b`, an edge of `steps` steps along u (or v).
 pub fn restrict(a: &Corner, b: &Corner, steps: f64, t: f64, along_u: bool) -> Corner {
     let (d, n) = if along_u { (1, 2) } else { (2, 1) };
     let (z, slope) = cubic(bezier_values((a[0], a[d]), (b[0], b[d]), steps), t);
@@ -44,11 +43,11 @@ pub fn restrict(a: &Corner, b: &Corner, steps: f64, t: f64, along_u: bool) -> Co
     out
 }
 
-/// A corner from 3 × 3 heights about it, `[row from the south][column from the west]`, `west_east` steps to either column
-/// and `south_north` to either row; 0 where there is none.
+/// A corner from the 3 × 3 heights around it, `[row from the south][column from the west]`. The columns are `west_east` steps away, the
+/// rows `south_north` steps; 0 if there is none.
 ///
 /// Slopes are central differences, limited as by Fritsch and Carlson to three times the smaller of the two one-sided
-/// ones, and 0 at an extremum, so that a cliff or a spike does not ring.
+/// ones. They are 0 at an extremum, so that a cliff or a spike does not ring.
 pub fn estimate(heights: &[[f64; 3]; 3], west_east: [f64; 2], south_north: [f64; 2]) -> Corner {
     let slope = |z: [f64; 3], [left, right]: [f64; 2]| {
         if left + right == 0.0 {

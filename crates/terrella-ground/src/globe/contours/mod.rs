@@ -1,14 +1,14 @@
 //! Approximate contours, and bicubic patches, after the paper of 2017. No GPU here.
 //!
-//! *Contours* (`ContourTree`) describe a DEM by a quadtree whose every node holds the best-fit plane of its samples and two
-//! planes parallel to it that hold them between them; a node whose slab is thin enough is a leaf. They are drawn by casting
-//! rays, on the GPU as [`contour_cast`] does. *Patches* are drawn without contours: bicubic, in Hermite form, they join with one
-//! height and one tangent plane across every edge and any difference of levels. The paper's q-Bézier form of them is
-//! measured by `measure::terrain`: q changes the control values of a patch and not the surface.
+//! *Contours* (`ContourTree`) describe a DEM by a quadtree. Each node holds the best-fit plane of its samples and two parallel planes that
+//! enclose them; a node whose slab is thin enough is a leaf. Contours are drawn by casting rays, on the GPU as in [`contour_cast`].
+//! *Patches* are drawn without contours. They are bicubic, in Hermite form, and share one height and one tangent plane across every edge
+//! and any difference of levels. The paper's q-Bézier form of them is measured by `measure::terrain`: q changes the control values of a
+//! patch and not the surface.
 //!
-//! Both draw the whole Earth, chosen by the view: [`ContourSurface`] such patches as triangles, [`ContourPages`] small trees of
-//! contours at which the GPU casts the ray of each pixel. Trees and patches over one grid of any size are measured by
-//! `measure::terrain`.
+//! Two surfaces draw the whole Earth, chosen by the view. [`ContourSurface`] draws such patches as triangles. [`ContourPages`] draws small
+//! trees of contours at which the GPU casts the ray of each pixel.
+//! Trees and patches over one grid of any size are measured by `measure::terrain`.
 //!
 //! Everything is f64 about a local origin.
 

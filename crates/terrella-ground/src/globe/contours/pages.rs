@@ -1,18 +1,17 @@
-//! The whole Earth as contours that rays are cast at: a forest over the blocks of 22.5°, chosen by the view.
+//! The whole Earth as contours at which rays are cast: a forest over the blocks of 22.5°, chosen by the view.
 //!
-//! A *page* is what is built, uploaded and given up as a whole (imagery has the *tiles*). It is a cell of the forest: 17 × 17
-//! posts of ground, averaged at its own scale, and a [`ContourTree`] over them about its own origin, fitted in f64 and
-//! stored in f32. A page is cut into its four quarters while its error shows by more than the
-//! tolerance: half a slab of its leaves, and what finer data would add. Within a page leaves end where slabs are thinner than
-//! that, and in a picture where they are thinner than the ray sees.
+//! A *page* is built, uploaded and evicted as a whole (imagery has *tiles*). It is a cell of the forest: 17 × 17 posts of ground, averaged
+//! at its own scale, and a [`ContourTree`] over them. The tree has its own origin, is fitted in f64 and stored in f32. A page is cut into
+//! its four quarters while its visible error exceeds the tolerance. That error is half a slab of its leaves, plus what finer data would
+//! add. Within a page leaves end where slabs are thinner than that, and in an image where they are thinner than the ray can resolve.
 //!
-//! **Watertight.** A column of ground is solid to any depth, so a ray meets either its top or its wall; columns of
-//! neighbours overlap ([`Dem::reaching`]), and are widened by what rounding of the eye's place leaves. What is drawn of a
-//! page is bounded by a prism, which reaches down as far as a neighbour may lie lower.
+//! **Watertight.** A column of ground is solid to any depth, so a ray hits either its top or its wall. Columns of neighbours overlap
+//! ([`Dem::reaching`]), and are widened by the rounding of the eye's position. A prism bounds the terrain drawn for a page; it extends down
+//! as far as a neighbour may be lower.
 //!
-//! **Per frame.** Pages are built within a budget, those of the largest errors first, and their parents drawn until all four
-//! are there. Nothing waits, and where nothing is built nothing is allocated. At most [`PageOptions::max_pages`] are kept;
-//! the one that was longest out of use makes way.
+//! **Per frame.** Pages are built within a budget, those of the largest errors first, and their parents are drawn until all four are there.
+//! Nothing waits, and where nothing is built nothing is allocated. At most [`PageOptions::max_pages`] are kept; the least recently used one
+//! is evicted.
 //!
 //! [`ContourTree`]: super::tree::ContourTree
 //! [`Dem::reaching`]: super::dem::Dem::reaching
@@ -33,14 +32,14 @@ pub use page::{MAX_NODES, Page};
 use std::f64::consts::FRAC_PI_8;
 use terrella_frames::Ellipsoid;
 
-/// How much the surface may take.
+/// Budgets of the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PageOptions {
-    /// Figure of the Earth that heights refer to.
+    /// Figure of the Earth that heights are measured from.
     pub ellipsoid: Ellipsoid,
-    /// Most pages that are kept, 144…2048. One takes up to 44 kB in memory and as much on the GPU.
+    /// Largest number of pages that are kept, 144…2048. One takes up to 44 kB in memory and as much on the GPU.
     pub max_pages: u32,
-    /// Pages that are built in a frame; 1 and more. Those of whole blocks, which every view needs, are built beyond it.
+    /// Pages that are built in a frame; 1 or more. Those of whole blocks, which every view needs, are built in addition.
     pub built_per_frame: u32,
 }
 
@@ -55,7 +54,7 @@ impl Default for PageOptions {
 }
 
 impl PageOptions {
-    /// As they are taken: in range.
+    /// The options clamped to their limits.
     pub fn within_limits(self) -> Self {
         Self {
             max_pages: self.max_pages.clamp(144, 2048),
@@ -71,40 +70,40 @@ impl PageOptions {
     }
 }
 
-/// Once cut, a page stays cut until its error shows by less than this part of the tolerance.
+/// Once cut, a page stays cut until its visible error is below this fraction of the tolerance.
 const HYSTERESIS: f64 = 0.8;
 
-/// The part of the tolerance that pages may take. The other quarter is for nodes that count as leaves in a picture because a
-/// ray sees half their slab as less.
+/// Fraction of the tolerance that pages may use. The other quarter is for nodes that count as leaves in an image because half their slab is
+/// smaller to the ray.
 const PART_OF_PAGES: f64 = 0.75;
 
 /// A page of the last view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawnPage {
-    /// Which of [`PagesDraw::pages`].
+    /// Index in [`PagesDraw::pages`].
     pub page: u32,
-    /// How far the nearest of it may be, metres.
+    /// Smallest possible distance, metres.
     pub distance_m: f64,
-    /// How far its prism reaches down below its own ground, metres: to that of any neighbour.
+    /// How far the prism extends below the page's own ground, metres: down to the ground of any neighbour.
     pub skirt_m: f64,
 }
 
-/// What is drawn in place of patches.
+/// Data that is drawn in place of patches.
 #[derive(Clone, Copy, Debug)]
 pub struct PagesDraw<'a> {
-    /// All that are kept, at most as many as ever; one stays in its place until another takes it.
+    /// All kept pages; their number has a fixed limit. A page keeps its index until another page takes it.
     pub pages: &'a [Page],
-    /// Those of the last view, near ones first.
+    /// Pages of the last view, near ones first.
     pub drawn: &'a [DrawnPage],
-    /// Most pages that there will be.
+    /// Largest number of pages.
     pub max_pages: u32,
-    /// Angle of a pixel in the middle of the picture, radians.
+    /// Angle of a pixel in the middle of the image, radians.
     pub pixel_rad: f64,
     /// See [`ContourRay::cone`].
     pub cone: f64,
 }
 
-/// How much wider columns are for an eye at this place, metres; see [`ContourRay::slack`].
+/// Widening of columns for an eye at this position, metres; see [`ContourRay::slack`].
 fn slack_m(page: &Page, eye_itrf_m: DVec3) -> f64 {
     let away_m = page.origin_itrf_m.distance(eye_itrf_m) + page.radius_m;
     away_m * 2f64.powi(-20)
@@ -113,12 +112,12 @@ fn slack_m(page: &Page, eye_itrf_m: DVec3) -> f64 {
 struct PageSlot {
     used: u64,
     is_cut: bool,
-    /// Heights have changed since it was built.
+    /// Heights have changed since the page was built.
     is_stale: bool,
     cell: Cell,
 }
 
-/// Contours as ground that rays are cast at.
+/// Terrain as contours at which rays are cast.
 pub struct ContourPages {
     options: PageOptions,
     now: u64,
@@ -127,7 +126,7 @@ pub struct ContourPages {
     slots: Vec<PageSlot>,
     by_key: KeyMap,
     queue: Vec<Cell>,
-    /// Cells to build, and by how many pixels what is drawn in their place is wrong.
+    /// Cells to build, with the error in pixels of what is drawn in their place.
     requests: Vec<(f64, Cell)>,
     drawn: Vec<DrawnPage>,
     /// The eye of the last view.
@@ -161,7 +160,7 @@ impl ContourPages {
         self.by_key.get(cell.key()).map(|slot| slot as usize)
     }
 
-    /// Builds a page, in place of the one longest out of use if there is no more room; false if all are in use.
+    /// Builds a page, in place of the least recently used one if there is no more room; false if all are in use.
     fn build(&mut self, cell: Cell, ground: &dyn Elevation, reach: HeightRange) -> bool {
         let slot = if self.slots.len() < self.options.max_pages as usize {
             self.pages.push(Page::default());
@@ -189,7 +188,7 @@ impl ContourPages {
         true
     }
 
-    /// Makes the page of a slot from the heights of now.
+    /// Fills the page of a slot from the current heights.
     fn fill(&mut self, slot: usize, ground: &dyn Elevation, reach: HeightRange) {
         self.clock += 1;
         let cell = self.slots[slot].cell;
@@ -199,15 +198,15 @@ impl ContourPages {
         page.revision = self.clock;
     }
 
-    /// Builds pages of the last view again whose heights have changed: first those that were drawn, and half as many at most as a
-    /// frame may build, so that others are not kept waiting. Answers how many.
+    /// Rebuilds pages of the last view whose heights have changed, drawn ones first. It builds at most half as many as a frame may build,
+    /// so that other pages are not delayed. Returns the number of pages.
     fn build_stale(&mut self, ground: &dyn Elevation, reach: HeightRange) -> u64 {
         let mut stale: Vec<(bool, u64, usize)> = (0..)
             .zip(&self.slots)
             .filter(|(_, slot)| slot.is_stale && slot.used + 1 >= self.now)
             .map(|(k, slot)| (slot.is_cut, slot.cell.key(), k))
             .collect();
-        // Allocates where heights have changed only.
+        // Allocates only where heights have changed.
         stale.sort_unstable();
         stale.truncate(self.options.built_per_frame.div_ceil(2) as usize);
         for (.., k) in &stale {
@@ -216,16 +215,16 @@ impl ContourPages {
         stale.len() as u64
     }
 
-    /// Finds pages by their cells again.
+    /// Rebuilds the index of pages by cell.
     fn index(&mut self) {
         self.by_key.clear();
         for (k, slot) in (0u32..).zip(&self.slots) {
-            // There is room: it is for four times as many.
+            // There is always room: the map is for four times as many.
             let _ = self.by_key.set(slot.cell.key(), k);
         }
     }
 
-    /// Whether all quarters that can be seen are there; asks for those that are not.
+    /// Whether all visible quarters are there; requests the missing ones.
     fn has_children(
         &mut self,
         cell: Cell,
@@ -238,7 +237,7 @@ impl ContourPages {
         let mut is_complete = true;
         for quarter in cell.children() {
             if let Some(slot) = self.find(quarter) {
-                // Waits for the others, or is drawn.
+                // It waits for the others, or is drawn.
                 self.slots[slot].used = self.now;
                 continue;
             }
@@ -290,8 +289,8 @@ impl ContourPages {
         }
     }
 
-    /// Where the ray of an eye first meets the ground of the last view, metres along it: the shader's answer, in f32 about
-    /// each page's origin.
+    /// Where a ray from an eye first hits the ground of the last view, metres along it. It is the shader's result, in f32 about each page's
+    /// origin.
     pub fn cast(&self, eye_itrf_m: DVec3, towards: DVec3) -> Option<f64> {
         let mut most = f32::MAX;
         for drawn in &self.drawn {
@@ -315,7 +314,7 @@ impl ContourPages {
     }
 }
 
-/// Distance to the nearest of a bound, at least 1 m; none if it is certainly not seen.
+/// Distance to the nearest point of a bound, at least 1 m; `None` if the bound is certainly not visible.
 fn visible_distance_m(culling: &CullingContext, bound: &GroundBound) -> Option<f64> {
     let is_visible = culling.visibility(bound).is_visible();
     is_visible.then(|| culling.distance_m(bound).max(1.0))
@@ -331,7 +330,7 @@ fn bound_of(ellipsoid: &Ellipsoid, cell: Cell, range: HeightRange) -> GroundBoun
     }
 }
 
-/// Whether a ray goes through a page's prism, as a picture shows it.
+/// Whether a ray passes through a page's prism, as in an image.
 fn enters(page: &Page, drawn: &DrawnPage, ray: &ContourRay) -> bool {
     let up = page.axes[2];
     let (from, towards) = (ray.from.as_dvec3(), ray.towards.as_dvec3());
@@ -383,7 +382,7 @@ impl Surface for ContourPages {
             ..reach
         };
         let view = GroundView { pixel_rad, ..*view };
-        // Rays are cast at prisms, which depth does not clip.
+        // Rays are cast at prisms, which are not clipped by depth.
         let culling = CullingContext::new(&view, &self.options.ellipsoid, drawn).without_depth();
         let mut built = 0;
         for root in Cell::roots() {
@@ -405,7 +404,7 @@ impl Surface for ContourPages {
         self.select_lod(&culling, PART_OF_PAGES * tolerance_px);
         self.requests
             .sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.key().cmp(&b.1.key())));
-        // One that is asked for is always built, that all be there at last.
+        // A requested page is always built, so that all are there in the end.
         let most = u64::from(self.options.built_per_frame).saturating_sub(renewed);
         for k in 0..self.requests.len().min(most.max(1) as usize) {
             if !self.build(self.requests[k].1, ground, reach) {
@@ -438,8 +437,8 @@ impl Surface for ContourPages {
             border_px = border_px.max(page.border_m * px_per_m + of_nodes_px);
         }
         for drawn in &mut self.drawn {
-            // A neighbour is no farther than this, so on the border its ground is wrong by no more than the worst shows
-            // there: of the two one lies lower by no more than both are wrong. And a half more, as borders are probed.
+            // A neighbour is at most this far away, so the error of its ground on the border is at most the worst visible one there. One of
+            // the two is lower by at most the sum of both errors. Half as much again is added, since borders are only probed.
             let page = &self.pages[drawn.page as usize];
             let away_m = drawn.distance_m + 2.0 * page.radius_m;
             drawn.skirt_m = 1.5 * (page.border_m + border_px * pixel_rad * away_m) + 1.0;
@@ -503,5 +502,5 @@ impl Surface for ContourPages {
     }
 }
 
-/// Posts of a page do not lie between those of the lattice.
+/// Posts of a page coincide with points of the lattice.
 const _: () = assert!(CELLS.is_power_of_two() && CELLS <= 16);

@@ -1,34 +1,34 @@
-//! Planes of best fit and the two contour planes that hold the points between them.
+//! Best-fit planes, each with two contour planes that enclose the points.
 //!
-//! c = mean of the points, M = Σ (p − c)(p − c)ᵀ; the normal is the eigenvector of M's smallest eigenvalue, found by Jacobi
-//! rotations, which keep eigenvectors orthogonal to rounding however close eigenvalues are. All in f64 about a local
-//! origin: Earth-centred metres in f32 leave half a metre of each coordinate, and of M nothing.
+//! c = mean of the points, M = Σ (p − c)(p − c)ᵀ. The normal is the eigenvector of M's smallest eigenvalue. Jacobi rotations find it; they
+//! keep eigenvectors orthogonal to rounding however close eigenvalues are. All computations are in f64 about a local origin: Earth-centred
+//! metres in f32 keep each coordinate to half a metre, and nothing of M.
 
 use glam::{DMat3, DVec3};
 
 /// How far points determine a plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Support {
-    /// Three or more that do not lie on a line.
+    /// Three or more that are not collinear.
     Plane,
-    /// All on a line: of the planes through it, the one whose normal is nearest to `up`.
+    /// All collinear: of the planes through the line, the one whose normal is nearest to `up`.
     Line,
-    /// All at one place, or none: the plane through it whose normal is `up`.
+    /// All at one point, or none: the plane through it whose normal is `up`.
     Point,
 }
 
 /// A plane with its two contours, which are parallel to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contour {
-    /// Unit normal, on the side of `up`.
+    /// Unit normal, on the same side as `up`.
     pub normal: DVec3,
-    /// The centroid, metres from the origin that points are measured from. Distances are measured from here.
+    /// The centroid, metres from the origin of the points. Distances are measured from here.
     pub at_m: DVec3,
     /// Signed distance of the lower contour plane, metres along the normal: d_min ≤ 0.
     pub low_m: f64,
     /// Signed distance of the upper one: d_max ≥ 0.
     pub high_m: f64,
-    /// How far the points determined it.
+    /// How far the points determine the plane.
     pub support: Support,
 }
 
@@ -38,7 +38,7 @@ impl Contour {
         self.high_m - self.low_m
     }
 
-    /// The same plane with contours that hold these points.
+    /// The same plane with contours that enclose these points.
     pub fn over(self, points_m: impl Iterator<Item = DVec3>) -> Self {
         let (mut low_m, mut high_m) = (0.0f64, 0.0f64);
         for p in points_m {
@@ -59,22 +59,22 @@ impl Contour {
     }
 }
 
-/// Of the square of a geometric mean: the square of a tenth of the rounding of f64.
+/// Factor on the square of a geometric mean: the square of a tenth of the rounding of f64.
 const NEGLIGIBLE: f64 = 1e-2 * f64::EPSILON * f64::EPSILON;
 
-/// Eigenvalues of a symmetric matrix, smallest first, and their unit eigenvectors, by cyclic Jacobi rotations.
-/// Entries that are not finite give finite vectors without meaning.
+/// Eigenvalues of a symmetric matrix, smallest first, and their unit eigenvectors, by cyclic Jacobi rotations. Entries that are not finite
+/// give finite vectors without meaning.
 pub fn eigen(symmetric: DMat3) -> ([f64; 3], [DVec3; 3]) {
     let mut a: [[f64; 3]; 3] = symmetric.to_cols_array_2d();
     let mut v = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    // Converges quadratically: six sweeps are the most that random matrices of any scaling took.
+    // Converges quadratically: random matrices of any scaling took at most six sweeps.
     for _ in 0..12 {
         let off = a[0][1].abs() + a[0][2].abs() + a[1][2].abs();
         if off == 0.0 || !off.is_finite() {
             break;
         }
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            // What is below rounding beside both of its diagonals turns neither of their vectors.
+            // An entry below the rounding of both of its diagonals rotates neither of their vectors.
             if a[p][q] * a[p][q] <= NEGLIGIBLE * (a[p][p] * a[q][q]).abs() {
                 a[p][q] = 0.0;
                 a[q][p] = 0.0;
@@ -82,7 +82,7 @@ pub fn eigen(symmetric: DMat3) -> ([f64; 3], [DVec3; 3]) {
             }
             // t = tan of the angle, the smaller root of t² + 2θt = 1.
             let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-            // Beyond 10¹⁵⁴ the square is infinite and t = 0: what is left out is below any rounding.
+            // Beyond 10¹⁵⁴ the square is infinite and t = 0: the omitted rotation is below any rounding.
             let t = if theta.is_finite() {
                 1.0f64.copysign(theta) / (theta.abs() + (theta * theta + 1.0).sqrt())
             } else {
@@ -113,11 +113,11 @@ pub fn eigen(symmetric: DMat3) -> ([f64; 3], [DVec3; 3]) {
     (order.map(|k| a[k][k]), order.map(vector))
 }
 
-/// Below this part of the largest eigenvalue an eigenvalue is rounding, not extent: squares of 1e-7 of the size.
+/// Below this fraction of the largest eigenvalue, an eigenvalue is rounding and not extent: squares of 1e-7 of the size.
 const ROUNDING: f64 = 1e-14;
 
-/// Fits a plane to points, in metres from a local origin, and measures its contours. `up` is a unit vector; it decides where
-/// points do not.
+/// Fits a plane to points, in metres from a local origin, and measures its contours. `up` is a unit vector; it is used where the points do
+/// not determine the plane.
 pub fn fit(up: DVec3, points_m: impl Iterator<Item = DVec3> + Clone) -> Contour {
     let first = points_m.clone().next().unwrap_or_default();
     let (mut count, mut sum) = (0u64, DVec3::ZERO);
@@ -144,13 +144,13 @@ pub fn fit(up: DVec3, points_m: impl Iterator<Item = DVec3> + Clone) -> Contour 
 
 fn normal_of(m: DMat3, center: DVec3, count: u64, up: DVec3) -> (DVec3, Support) {
     let (values, vectors) = eigen(m);
-    // What rounding of the coordinates alone can leave in M.
+    // Largest error in M from rounding of the coordinates alone.
     let noise = count as f64 * (4.0 * f64::EPSILON * center.length()).powi(2);
     if values[2] <= noise {
         return (up, Support::Point);
     }
     if values[1] <= (ROUNDING * values[2]).max(noise) {
-        // The part of `up` across the line; of a line along `up`, the axis least along it.
+        // The component of `up` perpendicular to the line; for a line along `up`, the axis least along it.
         let line = vectors[2];
         let across = up - line * up.dot(line);
         let normal = if across.length() > 1e-7 {
@@ -177,7 +177,7 @@ pub fn fit_points(up: DVec3, points_m: &[DVec3]) -> Contour {
 mod tests {
     use super::*;
 
-    /// Numbers in −1…1 that look random.
+    /// Pseudorandom numbers in −1…1.
     fn noise(seed: &mut u64) -> f64 {
         *seed = seed
             .wrapping_mul(6_364_136_223_846_793_005)
@@ -208,7 +208,7 @@ mod tests {
             assert!(contour.normal.angle_between(truth) < 1e-7);
             assert!((contour.normal - truth).length() < 1e-12);
             assert!(contour.thickness_m() < 1e-9);
-            // Points moved along the normal by ±1 m: the slab is 2 m.
+            // Points displaced along the normal by ±1 m: the slab is 2 m.
             let rough: Vec<_> = points
                 .iter()
                 .enumerate()
@@ -269,7 +269,7 @@ mod tests {
                 assert!((fit.normal.length() - 1.0).abs() < 1e-12);
                 assert!(fit.normal.dot(line).abs() < 1e-6 * line.length());
                 assert!(fit.thickness_m() < 1e-6);
-                // None of the planes through the line is nearer to `up`.
+                // No other plane through the line is nearer to `up`.
                 let across = (up - line * up.dot(line) / line.length_squared()).length();
                 assert!((fit.normal.dot(up) - across).abs() < 1e-6);
             }
@@ -279,7 +279,7 @@ mod tests {
         assert!((two.normal - DVec3::new(-1.0, 0.0, 1.0).normalize()).length() < 1e-12);
     }
 
-    /// What M in Earth-centred metres and single precision would have given for a field of 30 m posts.
+    /// M in Earth-centred metres and single precision, for a field of 30 m posts.
     #[test]
     fn single_precision_about_the_centre_of_the_earth_loses_the_plane() {
         let up = DVec3::new(0.6, 0.48, 0.64);
@@ -294,7 +294,7 @@ mod tests {
         let ours = (fit_points(up, &local).normal - truth)
             .length()
             .to_degrees();
-        // The textbook one-pass form, Σ ppᵀ − n·ccᵀ, everything f32.
+        // The textbook one-pass form, Σ ppᵀ − n·ccᵀ, all in f32.
         let center = up * 6_371_000.0;
         let (mut m, mut sum) = (glam::Mat3::ZERO, glam::Vec3::ZERO);
         for p in &local {

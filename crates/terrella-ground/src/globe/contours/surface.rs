@@ -1,21 +1,21 @@
 //! The whole Earth as bicubic patches: a forest over the blocks of 22.5°, chosen by the view.
 //!
-//! Each block is a quadtree; a cell is 4 × 4 bicubic patches of heights over longitude and latitude, displaced along the normal
-//! of the ellipsoid, each drawn as 2 × 2 squares. The knots between them are heights and derivatives of the ground at the
-//! patches' own scale, so that neighbours share them; where a neighbour is coarser they are that one's, or what its edge says
-//! half-way between two ([`restrict`](super::hermite::restrict)): the ground joins with one height and one tangent plane across every
-//! edge, in each frame's own choice of levels. Neighbours, diagonal ones too, differ by one level at most, so that corners of
-//! a cell are knots of the coarser ones around it. Near the poles, where columns draw together, vertices take the slope of
-//! the ground about them in place of the derivative by longitude.
+//! Each block is a quadtree. A cell is 4 × 4 bicubic patches of heights over longitude and latitude, displaced along the normal of the
+//! ellipsoid. Each is drawn as 2 × 2 squares. The knots between them are heights and derivatives of the ground at the patches' own scale,
+//! so that neighbours share them. Beside a coarser neighbour they are that neighbour's knots, or halfway between two of them the values of
+//! its edge ([`restrict`](super::hermite::restrict)). The terrain therefore has one height and one tangent plane across every edge, for
+//! each frame's choice of levels. Neighbours, diagonal ones too, differ by one level at most, so that corners of a cell are knots of the
+//! coarser ones around it. Near the poles, where columns converge, vertices use the slope of the ground around them instead of the
+//! derivative by longitude.
 //!
-//! Patches are held and drawn in Hermite form. The parameter q of the paper's q-Bézier form changes the control values of a
-//! patch and not its surface, so there is none here, and no contour tree either; `measure::terrain` measures both.
+//! Patches are stored and drawn in Hermite form. The parameter q of the paper's q-Bézier form changes the control values of a patch and not
+//! its surface. There is therefore no q here, and no contour tree either; `measure::terrain` measures both.
 //!
-//! Per frame: choose which cells to cut, largest errors in pixels first, as measured when a cell was first looked at, and with
-//! each what must be cut beside it; draw those that are seen. New cells are measured, and cut, within budgets, so a jump of
-//! the eye becomes sharp over some frames and never waits. Vertices are written again only where the neighbours' levels have
-//! changed. The error that is reported is that of the cells drawn, each on its own: at the border of the picture an edge may
-//! be that of a coarser cell out of sight.
+//! Each frame chooses the cells to cut, largest errors in pixels first, and with each the cells beside it that must be cut. A cell's error
+//! is measured when it is first evaluated. Visible cells are then drawn. New cells are measured, and cut, within budgets, so a jump of the
+//! eye becomes sharp over some frames and never waits. Vertices are written again only where the neighbours' levels have changed. The
+//! reported error is that of the drawn cells, each on its own: at the border of the image an edge may be that of a coarser cell out of
+//! sight.
 
 mod knots;
 pub(super) mod lattice;
@@ -38,18 +38,18 @@ use std::f64::consts::FRAC_PI_8;
 use std::sync::Arc;
 use terrella_frames::Ellipsoid;
 
-/// How much the surface may take.
+/// Budgets of the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContourOptions {
-    /// Figure of the Earth that heights refer to.
+    /// Figure of the Earth that heights are measured from.
     pub ellipsoid: Ellipsoid,
-    /// Most cells that are cut for a view; patches are up to three times as many, and balancing adds to them. 16…900.
+    /// Largest number of cells that are cut for a view, 16…900. Patches are up to three times as many, and balancing adds to them.
     pub max_cuts: u32,
-    /// Cells that are measured again in a frame; fewer, down to a quarter, where patches are written again for heights that have changed.
+    /// Cells that are measured again in a frame. There are fewer, down to a quarter, where patches are rewritten for changed heights.
     pub measured_per_frame: u32,
-    /// Cells that are cut in a frame and were not in the last; what must be cut beside the last of them comes on top.
+    /// Cells that are cut in a frame and were not in the last. The cells that must be cut beside the last of them are additional.
     pub cut_per_frame: u32,
-    /// Deepest level, 0…20; more counts as 20, where cells are 2.4 m wide.
+    /// Deepest level, 0…20; larger values are clamped to 20, where cells are 2.4 m wide.
     pub max_level: u32,
 }
 
@@ -67,15 +67,15 @@ impl Default for ContourOptions {
 
 struct PatchSlot {
     used: u64,
-    /// What its vertices were written with; none before they are.
+    /// Coarser neighbours for which its vertices were written; `None` before that.
     coarser: Option<CoarserNeighbours>,
     knots: Knots,
-    /// Heights have changed since.
+    /// Heights have changed since then.
     is_stale: bool,
     patch: Patch,
 }
 
-/// Contours as drawn ground.
+/// Contours as drawn terrain.
 pub struct ContourSurface {
     options: ContourOptions,
     now: u64,
@@ -92,7 +92,7 @@ pub struct ContourSurface {
     slots: Vec<PatchSlot>,
     by_key: KeyMap,
     drawn: Vec<u32>,
-    /// Of those drawn, how many are to be written again since heights have changed.
+    /// Number of drawn patches to be rewritten because heights have changed.
     to_rewrite: u32,
     indices: [Arc<TriangleList>; 16],
     samples: u64,
@@ -101,8 +101,8 @@ pub struct ContourSurface {
 }
 
 impl ContourSurface {
-    /// An empty surface. Tables take 9 MB and a patch 2 kB. Cuts are bounded whatever balancing adds, and so are patches and
-    /// memory: 80 MB at most, 15 MB on a descent from 400 km to 2 km with the default options.
+    /// An empty surface. Tables take 9 MB and a patch 2 kB. Cuts are bounded whatever balancing adds, and so are patches and memory: 80 MB
+    /// at most. A descent from 400 km to 2 km with the default options takes 15 MB.
     pub fn new(options: ContourOptions) -> Self {
         let options = ContourOptions {
             max_cuts: options.max_cuts.clamp(16, 900),
@@ -131,12 +131,12 @@ impl ContourSurface {
         }
     }
 
-    /// The slot of a cell, new or as it was.
+    /// The slot of a cell, new or existing.
     fn slot(&mut self, cell: Cell) -> usize {
         if let Some(slot) = self.by_key.get(cell.key()) {
             return slot as usize;
         }
-        // What was not drawn for longest, except for a reserve that saves building it again.
+        // The least recently drawn slot, except for a reserve that avoids rebuilding.
         let spare = self.slots.len().saturating_sub(self.leaves.len()) > RESERVE;
         let oldest = (0..self.slots.len())
             .filter(|k| spare && self.slots[*k].used < self.now)
@@ -173,11 +173,11 @@ impl ContourSurface {
     }
 }
 
-/// A bicubic patch leaves the range of the heights that it is made from by this part of it at most: the weights of a cubic
-/// halfway between four values come to 5/4 in size, those of two ways to 25/16.
+/// Largest overshoot of a bicubic patch, as a fraction of the range of its heights. The weights of a cubic halfway between four values have
+/// absolute sum 5/4, those in two directions 25/16.
 const OVERSHOOT: f64 = 9.0 / 32.0;
 
-/// Slots kept beyond those drawn.
+/// Slots kept in addition to the drawn ones.
 const RESERVE: usize = 256;
 
 impl Surface for ContourSurface {
@@ -219,7 +219,7 @@ impl Surface for ContourSurface {
         }
         self.leaves
             .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.key().cmp(&b.1.key())));
-        // Those there already first, so that none of them makes way.
+        // Existing ones first, so that none of them is evicted.
         for k in 0..self.leaves.len() {
             if let Some(slot) = self.by_key.get(self.leaves[k].1.key()) {
                 self.slots[slot as usize].used = self.now;
@@ -236,7 +236,7 @@ impl Surface for ContourSurface {
                 let knots = self.stitched_knots(ground, cell, coarser);
                 self.slots[slot].is_stale = false;
                 if !is_other && knots == self.slots[slot].knots && !mesh::reads_slopes(cell) {
-                    // What has changed lies between its knots, or beside it.
+                    // The change is between its knots, or beside it.
                     self.drawn.push(slot as u32);
                     continue;
                 }
@@ -263,7 +263,7 @@ impl Surface for ContourSurface {
         }
         self.by_key.clear();
         for (k, slot) in self.slots.iter().enumerate() {
-            // Without room a patch is only built again.
+            // Without room a patch is only rebuilt.
             let _ = self.by_key.set(slot.patch.key, k as u32);
         }
         stats.samples_read = self.samples;
@@ -289,7 +289,7 @@ impl Surface for ContourSurface {
         self.forget_changed(changes);
     }
 
-    /// Nothing: which cells were cut says only how many more may be in a frame.
+    /// Does nothing: the cells that were cut affect only how many more a frame may cut.
     fn forget_views(&mut self) {}
 
     fn for_each_patch(&self, draw: &mut dyn FnMut(&Patch)) {

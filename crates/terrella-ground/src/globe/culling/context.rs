@@ -1,4 +1,4 @@
-//! A view, as surfaces with relief cull and choose levels of detail by it.
+//! A view that terrain surfaces use for culling and for choosing levels of detail.
 
 use super::{Containment, Frustum, GroundShell, Horizon};
 use crate::globe::surface::GroundView;
@@ -7,68 +7,67 @@ use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 use terrella_frames::Ellipsoid;
 
-/// A ball that holds a piece of ground and all that is drawn of it.
+/// A ball that contains a piece of ground and the terrain drawn for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroundBound {
-    /// Its middle, ITRF metres.
+    /// Centre of the ball, ITRF metres.
     pub center_itrf_m: DVec3,
     pub radius_m: f64,
-    /// No ground in it is higher above the ellipsoid, metres.
+    /// Upper bound of the ground's height above the ellipsoid, metres.
     pub high_m: f64,
 }
 
-/// A cone that holds the normals of all faces in a bound.
+/// A cone that contains the normals of all faces in a bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalCone {
     /// A unit vector, or zero where the half-angle is π.
     pub axis: DVec3,
-    /// Largest angle of a normal from the axis, radians.
+    /// Largest angle between a normal and the axis, radians.
     pub half_angle_rad: f64,
 }
 
 impl NormalCone {
-    /// Of faces that may turn any way.
+    /// The cone of faces with any orientation.
     pub const ALL: Self = Self {
         axis: DVec3::ZERO,
         half_angle_rad: PI,
     };
 }
 
-/// What a view sees of a bound.
+/// Visibility of a bound in a view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BoundVisibility {
-    /// Lies in the frustum as a whole.
+    /// The whole bound is inside the frustum.
     Inside,
-    /// Perhaps in part.
+    /// A part of the bound may be inside.
     Intersecting,
-    /// Not at all, but the eye may turn to it.
+    /// Not visible, but visible if the eye turned to it.
     OutsideFrustum,
-    /// Not at all, and it would not be seen if the eye turned.
+    /// Not visible, even if the eye turned to it.
     BehindHorizon,
 }
 
 impl BoundVisibility {
-    /// Whether anything may be seen.
+    /// Whether any part may be visible.
     pub fn is_visible(self) -> bool {
         matches!(self, Self::Inside | Self::Intersecting)
     }
 }
 
-/// A view, as surfaces cull and choose levels of detail by it.
+/// A view that surfaces use for culling and for choosing levels of detail.
 #[derive(Clone, Copy, Debug)]
 pub struct CullingContext {
     pub eye_itrf_m: DVec3,
-    /// Angle of a pixel in the middle of the picture, radians.
+    /// Angle of a pixel in the middle of the image, radians.
     pub pixel_rad: f64,
-    /// Above the ellipsoid, metres.
+    /// Height above the ellipsoid, metres.
     eye_height_m: f64,
     frustum: Frustum,
     horizon: Horizon,
 }
 
 impl CullingContext {
-    /// For a view of ground between these heights: nothing that is drawn may lie lower, or the horizon would hide what shows
-    /// over it.
+    /// A view of ground between these heights. No drawn terrain may be lower, or the horizon would hide ground that is visible over it.
     pub fn new(view: &GroundView, ellipsoid: &Ellipsoid, drawn: HeightRange) -> Self {
         let shell = GroundShell::new(ellipsoid, drawn);
         Self {
@@ -80,7 +79,7 @@ impl CullingContext {
         }
     }
 
-    /// The same for what is not clipped by depth: only the frustum's four sides count.
+    /// The same for geometry that is not clipped by depth: only the frustum's four sides count.
     pub fn without_depth(self) -> Self {
         Self {
             frustum: self.frustum.without_depth(),
@@ -88,21 +87,21 @@ impl CullingContext {
         }
     }
 
-    /// From the eye to the nearest of a bound, metres; negative or zero from inside. No nearer than its ball, nor than its
-    /// highest ground lies below the eye: a large ball may hold an eye that is kilometres above its ground.
+    /// Distance from the eye to a bound, metres; negative or zero from inside. It is the larger of the distance to the ball and the eye's
+    /// height above the highest ground. A large ball may contain an eye that is kilometres above its ground.
     pub fn distance_m(&self, bound: &GroundBound) -> f64 {
         let center_m = bound.center_itrf_m.distance(self.eye_itrf_m);
         (center_m - bound.radius_m).max(self.eye_height_m - bound.high_m)
     }
 
-    /// Whether a bound lies behind the horizon.
+    /// Whether a bound is behind the horizon.
     pub fn is_behind_horizon(&self, bound: &GroundBound) -> bool {
         let (center_itrf_m, radius_m) = (bound.center_itrf_m, bound.radius_m);
         self.horizon
             .hides_ball(center_itrf_m, radius_m, bound.high_m)
     }
 
-    /// What is seen of a bound.
+    /// Visibility of a bound.
     pub fn visibility(&self, bound: &GroundBound) -> BoundVisibility {
         let (center_itrf_m, radius_m) = (bound.center_itrf_m, bound.radius_m);
         if self.is_behind_horizon(bound) {
@@ -118,7 +117,7 @@ impl CullingContext {
         }
     }
 
-    /// Whether every face in a bound turns its back to the eye.
+    /// Whether every face in a bound faces away from the eye.
     pub fn is_backfacing(&self, bound: &GroundBound, normals: &NormalCone) -> bool {
         let to_eye = self.eye_itrf_m - bound.center_itrf_m;
         let distance_m = to_eye.length();
@@ -128,7 +127,7 @@ impl CullingContext {
         let angle = (to_eye.dot(normals.axis) / distance_m)
             .clamp(-1.0, 1.0)
             .acos();
-        // normal · (eye − point) < 0, for the least tilted normal and the point most in favour.
+        // normal · (eye − point) < 0, for the least tilted normal and the most favourable point.
         let slack = normals.half_angle_rad + (bound.radius_m / distance_m).asin();
         angle - slack > FRAC_PI_2 + 1e-6
     }

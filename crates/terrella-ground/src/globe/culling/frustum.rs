@@ -5,33 +5,32 @@ use super::rect::ScaledRect;
 use glam::{DMat4, DVec3, DVec4};
 use terrella_frames::Ellipsoid;
 
-/// How much of a bound lies in a volume.
+/// How much of a bound is inside a volume.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Containment {
-    /// All of the bound.
+    /// The whole bound.
     Inside,
-    /// Perhaps a part.
+    /// Possibly a part.
     Intersecting,
-    /// Nothing of the bound.
+    /// No part of the bound.
     Outside,
 }
 
-/// The view frustum: six planes (normal, offset) in the axes and from the origin that the matrix takes points from, with
-/// unit normals; inside where n·x + w ≥ 0.
+/// The view frustum: six planes (normal, offset) with unit normals, in the space that the matrix transforms from. A point is inside where
+/// n·x + w ≥ 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frustum {
-    /// Left, right, bottom, top, then the two of depth.
+    /// Left, right, bottom, top, then the two depth planes.
     planes: [DVec4; 6],
 }
 
-/// A plane at infinity: everything is inside, however large.
+/// A plane at infinity: every bound is inside, however large.
 const AT_INFINITY: DVec4 = DVec4::new(0.0, 0.0, 0.0, f64::INFINITY);
 
 impl Frustum {
-    /// Of clip space −w ≤ x, y ≤ w, 0 ≤ z ≤ w: sums and differences of the matrix' rows (Gribb and Hartmann 2001).
+    /// The frustum of clip space −w ≤ x, y ≤ w, 0 ≤ z ≤ w: sums and differences of the matrix' rows (Gribb and Hartmann 2001).
     ///
-    /// A plane at infinity, as one of depth is in most projections, cuts nothing off, and neither does one that is not of
-    /// numbers.
+    /// A plane at infinity clips nothing; most projections have one in depth. A plane that is not finite clips nothing either.
     pub fn new(clip_from_source: &DMat4) -> Self {
         let [x, y, z, w] = [0, 1, 2, 3].map(|i| clip_from_source.row(i));
         let planes = [w + x, w - x, w + y, w - y, z, w - z].map(|plane| {
@@ -45,7 +44,7 @@ impl Frustum {
         Self { planes }
     }
 
-    /// The four sides alone, for what is not clipped by depth.
+    /// The four sides alone, for geometry that is not clipped by depth.
     pub fn without_depth(self) -> Self {
         let [left, right, bottom, top, ..] = self.planes;
         Self {
@@ -59,7 +58,7 @@ impl Frustum {
         [left, right, bottom, top].map(DVec4::truncate)
     }
 
-    /// How much of a ball lies inside. Never [`Containment::Outside`] where a point of it does.
+    /// How much of a ball is inside. Never [`Containment::Outside`] if a point of it is inside.
     pub fn classify_ball(&self, center: DVec3, radius: f64) -> Containment {
         let mut containment = Containment::Inside;
         for plane in &self.planes {
@@ -74,12 +73,12 @@ impl Frustum {
         containment
     }
 
-    /// Whether a ball lies wholly outside one of the planes.
+    /// Whether a ball is wholly outside one of the planes.
     pub fn excludes_ball(&self, center: DVec3, radius: f64) -> bool {
         self.classify_ball(center, radius) == Containment::Outside
     }
 
-    /// The planes of a frustum that measures from the eye, in scaled space from the Earth's centre.
+    /// Converts a frustum in eye-relative coordinates to scaled space, from the Earth's centre.
     pub fn scaled(&self, ellipsoid: &Ellipsoid, eye_itrf_m: DVec3) -> ScaledFrustum {
         let itrf_from_scaled = ellipsoid.itrf_from_scaled();
         ScaledFrustum {
@@ -98,7 +97,7 @@ pub struct ScaledFrustum {
 }
 
 impl ScaledFrustum {
-    /// Whether all ground of a shell with its feet in the rectangle lies outside one of the planes.
+    /// Whether all ground of a shell with feet in the rectangle is outside one of the planes.
     pub fn excludes_rect(&self, rect: &ScaledRect, shell: &GroundShell) -> bool {
         self.planes.iter().any(|plane| {
             let normal = plane.truncate();

@@ -1,15 +1,15 @@
-//! What the Earth itself hides: the horizon of ground between two heights, for any ellipsoid of revolution.
+//! Occlusion by the Earth itself: the horizon of ground between two heights, for any ellipsoid of revolution.
 //!
-//! All of it is done in *scaled space*, (x/a, y/a, z/b): there the ellipsoid is the unit sphere, straight lines stay straight
-//! and tangents stay tangents. With L the eye's distance from the centre, ρ the radius of a sphere that lies under all
-//! ground (the *occluder*) and R of one over it, ground shows only as far from the eye's radius as
+//! All computations are in *scaled space*, (x/a, y/a, z/b): there the ellipsoid is the unit sphere, straight lines stay straight and
+//! tangents stay tangents. L is the eye's distance from the centre. ρ is the radius of a sphere below all ground (the *occluder*), R that
+//! of a sphere above all ground. Ground is visible only within this angle of the eye's radius:
 //!
 //! ```text
 //! θ ≤ acos(ρ/L) + acos(ρ/R)
 //! ```
 //!
-//! where a line of sight that grazes the occluder leaves the highest ground behind it. For ground without relief (ρ = R = 1)
-//! that is the plane of the limb, P·e ≥ 1.
+//! There a line of sight that grazes the occluder leaves the highest ground behind it. For flat ground (ρ = R = 1) the limit is the plane
+//! of the limb, P·e ≥ 1.
 
 use super::rect::ScaledRect;
 use crate::height::HeightRange;
@@ -17,18 +17,18 @@ use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 use terrella_frames::Ellipsoid;
 
-/// Rounding of radii in scaled space, with much to spare: 0.6 mm.
+/// Generous bound of the rounding of radii in scaled space: 0.6 mm.
 const ROUNDING: f64 = 1e-10;
 
-/// Ground between two heights, as a shell of scaled space.
+/// Ground between two heights, as a shell in scaled space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroundShell {
-    /// Radius that no ground comes below.
+    /// No ground is below this radius.
     pub lowest: f64,
-    /// Radius that no ground goes beyond.
+    /// No ground is above this radius.
     pub highest: f64,
-    /// Largest distance, on the unit sphere, between the direction of a point from the centre and its foot on the ellipsoid:
-    /// heights stand on the ellipsoid's normal.
+    /// Largest distance, on the unit sphere, between the direction of a point from the centre and its foot on the ellipsoid: heights are
+    /// along the ellipsoid's normal.
     pub lean: f64,
 }
 
@@ -47,15 +47,15 @@ impl GroundShell {
         Self {
             lowest,
             highest: highest_radius(ellipsoid, range.high_m).max(lowest),
-            // A chord is less than its arc, and that less than its tangent. Two points are never farther apart than 2.
+            // A chord is shorter than its arc, and the arc shorter than its tangent. Two points are never farther apart than 2.
             lean: (sideways(ellipsoid, most_m) / lowest).min(2.0),
         }
     }
 }
 
-/// Most that a point at a height (either sign) is moved across its foot's direction.
+/// Largest displacement of a point at a height (either sign) across its foot's direction.
 ///
-/// The foot p of scaled space has the normal n ∝ D⁻¹p, so that a height h moves it by h D⁻²p/|D⁻¹p|, and across p by
+/// The foot p of scaled space has the normal n ∝ D⁻¹p. A height h moves it by h D⁻²p/|D⁻¹p|, and across p by
 /// h |sin β cos β| |1/b² − 1/a²| / |D⁻¹p|.
 fn sideways(ellipsoid: &Ellipsoid, height_m: f64) -> f64 {
     let (a, b) = (ellipsoid.equatorial_radius_m, ellipsoid.polar_radius_m);
@@ -63,7 +63,7 @@ fn sideways(ellipsoid: &Ellipsoid, height_m: f64) -> f64 {
     0.5 * height_m.abs() * apart * a.max(b)
 }
 
-/// Radius in scaled space that no point at this height comes below.
+/// Lower bound of the radius, in scaled space, of points at this height.
 ///
 /// With p a unit vector of scaled space and n the ellipsoid's normal there, |p + h D⁻¹n| is at least |1 + h p·D⁻¹n|, and
 /// p·D⁻¹n = |D⁻¹p| is 1/a…1/b.
@@ -72,10 +72,10 @@ pub fn lowest_radius(ellipsoid: &Ellipsoid, height_m: f64) -> f64 {
     1.0 + height_m / if height_m < 0.0 { b.min(a) } else { a.max(b) } - ROUNDING
 }
 
-/// Radius in scaled space that no point at this height goes beyond.
+/// Upper bound of the radius, in scaled space, of points at this height.
 ///
-/// |p + h D⁻¹n| is at most 1 + |h D⁻¹n| with |D⁻¹n| in 1/a…1/b; downwards, the root of what is left along p and of what the
-/// point is moved across.
+/// |p + h D⁻¹n| is at most 1 + |h D⁻¹n| with |D⁻¹n| in 1/a…1/b. For negative heights it is the root of the sum of squares
+/// of two parts: what remains along p, and the displacement across p.
 pub fn highest_radius(ellipsoid: &Ellipsoid, height_m: f64) -> f64 {
     let (a, b) = (ellipsoid.equatorial_radius_m, ellipsoid.polar_radius_m);
     if height_m < 0.0 {
@@ -84,20 +84,20 @@ pub fn highest_radius(ellipsoid: &Ellipsoid, height_m: f64) -> f64 {
     1.0 + height_m / b.min(a) + ROUNDING
 }
 
-/// acos(radius/length) without cancellation: how far from a point's radius its tangents touch a sphere. 0 for a point inside.
+/// acos(radius/length) without cancellation: the angle between a point's radius and the tangent points on a sphere. 0 for a point inside.
 pub fn tangent_angle_rad(length: f64, radius: f64) -> f64 {
     let above = (length - radius).max(0.0) * (length + radius);
     above.sqrt().atan2(radius)
 }
 
-/// Whether two unit vectors are no further apart than an angle: by the chord 2 sin(θ/2), which is exact for small ones too.
+/// Whether the angle between two unit vectors is at most `angle_rad`. It uses the chord 2 sin(θ/2), which is exact for small angles too.
 pub fn is_within_angle(a: DVec3, b: DVec3, angle_rad: f64) -> bool {
     a.distance(b) <= 2.0 * (0.5 * angle_rad.min(PI)).sin()
 }
 
 /// The horizon of an eye over ground between two heights.
 ///
-/// An eye under the occluder has none: nothing is hidden from it for certain.
+/// An eye below the occluder has none: nothing is certainly hidden from it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Horizon {
     ellipsoid: Ellipsoid,
@@ -107,13 +107,13 @@ pub struct Horizon {
     most_scale: f64,
     /// The eye in scaled space.
     eye: DVec3,
-    /// Its direction from the centre.
+    /// The eye's direction from the centre.
     up: DVec3,
     /// L.
     distance: f64,
     /// ρ/L: sine of the occluder's angular radius, and cosine of the angle at the centre where tangents touch it.
     sin_radius: f64,
-    /// √(L² − ρ²)/L: the other way round.
+    /// √(L² − ρ²)/L: cosine of that radius, and sine of that angle.
     cos_radius: f64,
 }
 
@@ -146,18 +146,18 @@ impl Horizon {
         self.distance >= self.shell.lowest
     }
 
-    /// θ at which the occluder's limb lies, radians of scaled space.
+    /// θ of the occluder's limb, radians of scaled space.
     pub fn limb_rad(&self) -> f64 {
         tangent_angle_rad(self.distance, self.shell.lowest)
     }
 
-    /// θ of the farthest ground that can show; for an eye under the occluder as from its surface.
+    /// θ of the farthest ground that can be visible. An eye below the occluder is treated as on its surface.
     pub fn far_rad(&self) -> f64 {
         self.limb_rad() + tangent_angle_rad(self.shell.highest, self.shell.lowest)
     }
 
-    /// Least height that can show at an angle from the eye's radius, metres, at most a millimetre too low: what is lower lies
-    /// behind the occluder.
+    /// Lowest height that can be visible at an angle from the eye's radius, metres, at most a millimetre too low. Anything lower is behind
+    /// the occluder.
     pub fn lowest_visible_m(&self, theta_rad: f64) -> f64 {
         let beyond = theta_rad - self.limb_rad();
         if beyond <= 0.0 {
@@ -174,38 +174,38 @@ impl Horizon {
         over * if over > 0.0 { b.min(a) } else { a.max(b) } - 1e-3
     }
 
-    /// Whether the occluder lies between the eye and a point, ITRF metres. Exact, for eyes and points that are not inside it;
-    /// from inside, what lies beyond the middle of the ray's chord is hidden.
+    /// Whether the occluder is between the eye and a point, ITRF metres. Exact if neither eye nor point is inside the occluder. From
+    /// inside, points beyond the middle of the ray's chord are hidden.
     pub fn hides_point(&self, point_itrf_m: DVec3) -> bool {
         self.hides_around(point_itrf_m, 0.0)
     }
 
-    /// Whether that holds of all that is seen within an angle of a point, too, radians: of points more than 10 km above the occluder,
-    /// and angles of less than a tenth.
+    /// Whether the same is true of everything seen within `angle_rad` of a point. Valid for points more than 10 km above the occluder and
+    /// angles of less than a tenth of a radian.
     #[inline]
     pub fn hides_around(&self, point_itrf_m: DVec3, angle_rad: f64) -> bool {
         let point = point_itrf_m * self.scale;
         let along = point - self.eye;
-        // Scaled space has larger angles than ours by less than a hundredth.
+        // Angles in scaled space are larger by less than a hundredth.
         let radius = self.shell.lowest - self.distance * 1.01 * angle_rad;
         let aside = self.eye.cross(along).length_squared();
-        // The sphere lies before the eye, and the point beyond the middle of the ray's chord.
+        // The sphere is in front of the eye, and the point beyond the middle of the ray's chord.
         radius > 0.0
             && aside < radius * radius * along.length_squared()
             && self.eye.dot(along) < 0.0
             && point.dot(along) > 0.0
     }
 
-    /// Whether all ground of the shell with its feet in a rectangle is hidden.
+    /// Whether all ground of the shell with feet in a rectangle is hidden.
     pub fn hides_rect(&self, rect: &ScaledRect) -> bool {
-        // P·e < L cos(acos(ρ/L) + acos(ρ/R)); without relief the right-hand side is 1 to the last bit.
+        // P·e < L cos(acos(ρ/L) + acos(ρ/R)). For flat ground the right-hand side is 1 to the last bit.
         let (sin, cos) = self.behind_limb(self.shell.highest);
         let least = self.shell.lowest * cos - self.distance * self.cos_radius * sin;
         self.is_eye_above() && rect.max_dot(self.eye) + self.shell.lean * self.distance < least
     }
 
-    /// Whether all ground of the shell with its feet in a cap is hidden: up to `half_angle_rad` about `axis`, a unit vector of
-    /// scaled space.
+    /// Whether all ground of the shell with feet in a cap is hidden. The cap is all points within `half_angle_rad` of `axis`, a unit vector
+    /// of scaled space.
     pub fn hides_cap(&self, axis: DVec3, half_angle_rad: f64) -> bool {
         let lean_rad = 2.0 * (0.5 * self.shell.lean).asin();
         let up = self.eye / self.distance;
@@ -213,23 +213,25 @@ impl Horizon {
             && !is_within_angle(axis, up, half_angle_rad + lean_rad + self.far_rad())
     }
 
-    /// Whether all ground in a ball is hidden that is nowhere higher than `high_m`. Ground inside the ball may be as low as the
-    /// shell is; what is drawn of it may be lower.
+    /// Whether all ground in a ball is hidden, if none of it is higher than `high_m`. The ground may be as low as the shell, and the
+    /// terrain drawn there may be lower.
     ///
-    /// It is if the whole ball lies in the occluder's shadow, or behind the cone about the eye's radius beyond which no ground
-    /// of that height shows. The first is closer for small balls, the second for large ones, which bulge out of the ground.
+    /// It is hidden if the whole ball is in the occluder's shadow. It is also hidden behind the cone about the eye's radius beyond which no
+    /// ground of that height is visible. The first test is tighter for small balls, the second for large ones, which bulge out of the
+    /// ground.
     pub fn hides_ball(&self, center_itrf_m: DVec3, radius_m: f64, high_m: f64) -> bool {
         if !self.is_eye_above() {
             return false;
         }
-        // A ball becomes an ellipsoid within a ball.
+        // A ball becomes an ellipsoid inside a ball.
         let (center, radius) = (center_itrf_m * self.scale, radius_m * self.most_scale);
         let up = self.up;
         let along = center.dot(up);
-        // The shadow begins at the plane of the limb, √(L² − ρ²) cos α from the eye, and is the inside of a cone from there on.
+        // The shadow begins at the plane of the limb, √(L² − ρ²) cos α from the eye. From there on it is the inside of a cone.
         let inwards = self.distance - along;
         let to_limb_plane = self.distance * self.cos_radius * self.cos_radius;
-        // Most of what is near: before that plane, its middle within the limb's cone about the eye's radius. No roots are needed.
+        // Early exit for most near balls: they are before that plane, with the centre inside the limb's cone about the eye's radius. No
+        // square roots are needed.
         let is_before_limb = inwards - radius <= to_limb_plane;
         let limb_along = center.length_squared() * self.sin_radius * self.sin_radius;
         if is_before_limb && along > 0.0 && along * along >= limb_along {
@@ -247,8 +249,8 @@ impl Horizon {
             self.sin_radius * cos - self.cos_radius * sin,
             self.cos_radius * cos + self.sin_radius * sin,
         );
-        // |center| sin(θ − far) and |center| cos(θ − far): the ball's middle lies so far outside the cone, and over the apex
-        // so far from that.
+        // |center| sin(θ − far) is the distance of the ball's centre outside the cone. |center| cos(θ − far) is its
+        // distance from the apex along the cone.
         let (across, ahead) = (
             aside * cos_far - along * sin_far,
             aside * sin_far + along * cos_far,
@@ -257,7 +259,7 @@ impl Horizon {
         across > 0.0 && to_cone > radius
     }
 
-    /// Sine and cosine of acos(ρ/R): how far behind the limb ground that reaches up to R shows.
+    /// Sine and cosine of acos(ρ/R): the angle behind the limb within which ground up to R is visible.
     fn behind_limb(&self, highest: f64) -> (f64, f64) {
         let lowest = self.shell.lowest;
         let above = (highest - lowest).max(0.0) * (highest + lowest);

@@ -1,12 +1,11 @@
-//! Culling of blocks and patches: what an eye cannot see, because it lies outside the view frustum or behind the horizon, is
-//! left out.
+//! Culling of blocks and patches that are outside the view frustum or behind the horizon.
 //!
-//! All surfaces ask here. Every test is conservative: nothing is left out of which any point could be seen, whatever the
-//! ground is like between its lowest and its highest height.
+//! All surfaces use it. Every test is conservative: no visible point is culled, whatever the ground's shape between its lowest and highest
+//! height.
 //!
-//! [`Frustum`] holds the clip planes, [`Horizon`] what the Earth hides; `CullingContext` is both for a view, with what a
-//! level of detail goes by: the distance to a bound. Bounds are balls (`GroundBound`), or rectangles of longitude and
-//! latitude ([`ScaledRect`]) where these are much closer.
+//! [`Frustum`] holds the clip planes, and [`Horizon`] what the Earth hides. `CullingContext` combines both for a view, with the distance to
+//! a bound, which selects the level of detail. Bounds are balls (`GroundBound`), or rectangles of longitude and latitude ([`ScaledRect`])
+//! where these are much tighter.
 
 #[cfg(feature = "terrain")]
 mod context;

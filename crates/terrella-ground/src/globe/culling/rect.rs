@@ -2,12 +2,12 @@
 
 use glam::{DVec2, DVec3};
 
-/// Ground between two meridians and two parallels, by the feet of its points: scaled, the ellipsoid is the unit sphere.
+/// Ground between two meridians and two parallels, given by the feet of its points; in scaled space the ellipsoid is the unit sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScaledRect {
-    /// (cos, sin) of the middle's longitude.
+    /// (cos, sin) of the middle longitude.
     pub lon: DVec2,
-    /// From there to the western and to the eastern edge, radians, at most π/2.
+    /// Angle from there to the western and to the eastern edge, radians, at most π/2.
     pub half_width_rad: f64,
     /// (cos, sin) of the northern edge's parametric latitude.
     pub north: DVec2,
@@ -29,10 +29,10 @@ impl ScaledRect {
         }
     }
 
-    /// Distance from a point of scaled space, on or above the unit sphere, to the nearest of the rectangle.
+    /// Distance from a point of scaled space, on or above the unit sphere, to the rectangle's nearest point.
     pub fn distance(&self, eye: DVec3) -> f64 {
         let length = eye.length();
-        // |e|² + 1 − 2m = (|e| − 1)² + 2(|e| − m), where nothing cancels for an eye above the rectangle: m = |e|.
+        // |e|² + 1 − 2m = (|e| − 1)² + 2(|e| − m). Nothing cancels for an eye above the rectangle, where m = |e|.
         let beside = (length - self.max_dot(eye)).max(0.0);
         ((length - 1.0).powi(2) + 2.0 * beside).sqrt()
     }

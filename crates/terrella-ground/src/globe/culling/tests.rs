@@ -1,5 +1,4 @@
-//! Nothing that can be seen is culled, and little that cannot be is kept: against points of ground and lines of sight that are
-//! looked at one by one.
+//! Nothing visible is culled, and little that is hidden is kept. Results are compared with single points of ground and lines of sight.
 
 mod context;
 mod frustum;
@@ -28,7 +27,7 @@ const FIGURES: [Ellipsoid; 4] = [
     },
 ];
 
-/// Lowest and highest ground: none, the Earth's, ground that is all below and all above the ellipsoid, and far more.
+/// Lowest and highest ground: flat, the Earth's, all below the ellipsoid, all above it, and far larger.
 const RANGES: [(f64, f64); 5] = [
     (0.0, 0.0),
     (-11e3, 9e3),
@@ -37,10 +36,10 @@ const RANGES: [(f64, f64); 5] = [
     (-1e5, 1e5),
 ];
 
-/// Above the highest ground, from a metre to the Moon; the negative ones are parts of the way down to the lowest.
+/// Heights above the highest ground, from a metre to the Moon. Negative ones are fractions of the way down to the lowest ground.
 const EYES_M: [f64; 9] = [1.0, 100.0, 3e3, 4e4, 4e5, 4e6, 3.8e8, -0.5, -0.95];
 
-/// Numbers that look random, the same in each run.
+/// Pseudorandom numbers, the same in each run.
 struct Random(u64);
 
 impl Random {
@@ -71,7 +70,7 @@ struct World {
 }
 
 impl World {
-    /// Of every figure, range and eye, in several directions.
+    /// Worlds of every figure, range and eye, in several directions.
     fn all(random: &mut Random, mut check: impl FnMut(&mut Random, &Self)) {
         for figure in FIGURES {
             for (low_m, high_m) in RANGES {
@@ -101,7 +100,7 @@ impl World {
         }
     }
 
-    /// A foot, mostly where the horizon is, its normal, and a point of ground over it.
+    /// A foot, mostly near the horizon, its normal, and a point of ground above it.
     fn ground(&self, random: &mut Random) -> (DVec3, DVec3, DVec3) {
         let up = (self.eye * self.figure.scaled_from_itrf()).normalize();
         let aside = up.cross(random.direction()).normalize();
@@ -112,16 +111,16 @@ impl World {
         };
         let foot = up * theta.cos() + aside * theta.sin();
         let normal = (foot * self.figure.scaled_from_itrf()).normalize();
-        // The highest ground decides.
+        // The highest ground is decisive, so most points are high.
         let part = random.part().sqrt();
         let height_m = self.range.low_m + (self.range.high_m - self.range.low_m) * part;
         let point = self.figure.surface_point(normal) + normal * height_m;
         (foot, normal, point)
     }
 
-    /// How far the line of sight to a point stays above the lowest ground, metres; less than 0 where that hides it.
+    /// Clearance of the line of sight to a point above the lowest ground, metres; negative if that ground hides the point.
     ///
-    /// Height is the distance from a convex body and so convex along the line: its least is found by thirds.
+    /// Height is the distance from a convex body, and so convex along the line: ternary search finds its minimum.
     fn clearance_m(&self, point: DVec3) -> f64 {
         let along = point - self.eye;
         let above = |t: f64| {
@@ -146,7 +145,7 @@ impl World {
     }
 }
 
-/// A view of some kind in any direction.
+/// A view of the given kind in a random direction.
 fn projection(random: &mut Random, kind: u32) -> DMat4 {
     let view_from_eye = rh::view::look_to_mat4(DVec3::ZERO, random.direction(), random.direction());
     let (fov, aspect) = (random.between(0.05, 2.5), random.between(0.3, 3.0));

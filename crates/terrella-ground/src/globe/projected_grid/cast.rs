@@ -1,16 +1,15 @@
-//! From a direction of view to a place on the ground and back.
+//! Maps a view direction to a place on the ground and back.
 //!
-//! All of it is done on the unit sphere of scaled space, (x/a, y/a, z/b), about the eye's own radius û, with angles. Let L
-//! be the eye's distance from the centre and s the radius of the sphere that is cast on (the *base*: the ellipsoid, raised
-//! to the ground under the eye). A ray that leaves the eye at η from straight down grazes the base at η_b = asin(s/L), and
-//! meets it, with δ = η_b − η, at
+//! All computations are on the unit sphere of scaled space, (x/a, y/a, z/b), about the eye's own radius û, with angles. L is the eye's
+//! distance from the centre. s is the radius of the sphere that rays are cast on (the *base*: the ellipsoid, raised to the ground under the
+//! eye). A ray at η from straight down grazes the base at η_b = asin(s/L). With δ = η_b − η, it meets the base at
 //!
 //! ```text
 //! t/L = cos²η_b / (cos η + √(sin δ sin(η_b + η)))        sin θ = (t/L) sin η / sin η_b
 //! ```
 //!
-//! where θ is the angle at the centre between eye and place. It is the root t = c/(−e·d + √(s² − |e × d|²)) of c = L² − s²
-//! with s² − L² sin²η = L² sin(η_b − η) sin(η_b + η): nothing cancels, at no height and not at the limb.
+//! where θ is the angle at the centre between eye and place. It is the root t = c/(−e·d + √(s² − |e × d|²)) of c = L² − s² with s² − L²
+//! sin²η = L² sin(η_b − η) sin(η_b + η). Nothing cancels, at any height or at the limb.
 
 use super::screen::ScreenPlane;
 use glam::DVec3;
@@ -21,7 +20,7 @@ use terrella_frames::Ellipsoid;
 pub enum Cast {
     /// Distance along the ray, in lengths of its direction.
     Hit(f64),
-    /// It misses, or the sphere lies behind: the point of the limb that is nearest to the ray's plane through the centre.
+    /// The ray misses, or the sphere is behind the eye: the point of the limb nearest to the ray's plane through the centre.
     Limb(DVec3),
 }
 
@@ -44,26 +43,26 @@ pub fn cast(eye: DVec3, direction: DVec3, radius: f64) -> Cast {
     Cast::Limb((up * cos + aside * ((1.0 - cos) * (1.0 + cos)).sqrt()) * radius)
 }
 
-/// A place on the ground that a direction was taken to.
+/// The place on the ground that a direction maps to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Foot {
-    /// The place on the unit sphere of scaled space.
+    /// Position on the unit sphere of scaled space.
     pub place: DVec3,
-    /// Change of θ with the ray's angle, away from the eye; and the same across.
+    /// Change of θ with the ray's angle, away from the eye, and the same across.
     pub stretch: (f64, f64),
 }
 
-/// Takes directions to places, for one eye.
+/// Maps directions to places, for one eye.
 ///
-/// Rays that hit the base meet it where `spread` = 0 says; else they are drawn towards the limb first, δ → δ²g/(δ + κ)
-/// with κ = `spread` and g = 1 + κ/η_b, which keeps nadir and limb in place. This takes the limb's square root out of the
-/// spacing and lays rows where relief that stands up is seen, although its ground is seen edge on. The κ above the
-/// limb go to the ground behind it, evenly in θ, as far as relief can show over it; higher rays go to its edge.
+/// With `spread` = 0, a ray that hits the base maps to its intersection. Otherwise rays are first pulled towards the limb, δ → δ²g/(δ + κ)
+/// with κ = `spread` and g = 1 + κ/η_b. This keeps nadir and limb in place, and removes the limb's square root from the spacing. It also
+/// adds rows where steep terrain is visible although its ground is seen edge on. The κ above the limb map to the ground behind it, evenly
+/// in θ, as far as terrain can be visible over it. Higher rays map to the far edge of that ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Caster {
     /// Semi-axes, metres.
     pub radii_m: DVec3,
-    /// 1 over each.
+    /// Reciprocals of the semi-axes.
     pub per_radius: DVec3,
     /// The eye's direction in scaled space, û.
     pub up: DVec3,
@@ -77,14 +76,14 @@ pub struct Caster {
     pub cos_limb: f64,
     /// θ of the base's limb.
     pub near_rad: f64,
-    /// θ of the farthest ground that can show.
+    /// θ of the farthest ground that can be visible.
     pub far_rad: f64,
     /// κ, radians.
     pub spread_rad: f64,
 }
 
 impl Caster {
-    /// For an eye, ITRF metres, over a base that lies `clearance_m` (more than 0) below it along its radius.
+    /// A caster for an eye, ITRF metres, over a base `clearance_m` (more than 0) below it along its radius.
     pub fn new(ellipsoid: &Ellipsoid, eye_itrf_m: DVec3, clearance_m: f64) -> Self {
         let radii_m = ellipsoid.itrf_from_scaled();
         let eye = eye_itrf_m * ellipsoid.scaled_from_itrf();
@@ -111,7 +110,7 @@ impl Caster {
         }
     }
 
-    /// The place that a direction, ITRF axes and of any length, is taken to.
+    /// The place that a direction, in ITRF axes and of any length, maps to.
     pub fn foot(&self, direction: DVec3) -> Foot {
         let (nadir_rad, sin, aside) = self.lean(direction);
         let below = self.limb_rad - nadir_rad;
@@ -140,17 +139,17 @@ impl Caster {
         }
     }
 
-    /// Angle in scaled space of a direction, ITRF axes, from straight down.
+    /// Angle between a direction, ITRF axes, and straight down, in scaled space.
     pub fn nadir(&self, direction: DVec3) -> f64 {
         self.lean(direction).0
     }
 
-    /// That angle, its sine, and the level unit vector that the direction leans to.
+    /// That angle, its sine, and the level unit vector that the direction leans towards.
     fn lean(&self, direction: DVec3) -> (f64, f64, DVec3) {
         let ray = direction * self.per_radius;
         let down = -self.up.dot(ray);
         let level = ray + self.up * down;
-        // Once more across: what is left of a ray that points almost down is rounded.
+        // Project once more: the remainder of a ray that points almost straight down has rounding errors.
         let level = level - self.up * self.up.dot(level);
         let across = level.length();
         let aside = if across > 0.0 {
@@ -174,7 +173,7 @@ impl Caster {
         let sin_sum = (self.sin_limb * cos + self.cos_limb * sin).max(0.0);
         let root = (sin_pulled * sin_sum).max(0.0).sqrt();
         let t = self.cos_limb * self.cos_limb / (cos + root);
-        // dθ/dη = (t/L)/root, times the slope of the pull; δ is divided out of both, so that the limb is no pole.
+        // dθ/dη = (t/L)/root, times the slope of the pull. δ is divided out of both, so that the limb is not a pole.
         let unit = sin_pulled / pulled.max(1e-300) * sin_sum;
         let along = t * gain.sqrt() * (below + 2.0 * self.spread_rad)
             / (sum * sum.sqrt() * unit.max(1e-30).sqrt());
@@ -196,13 +195,13 @@ impl Caster {
         (self.near_rad + width * part, width / self.spread_rad)
     }
 
-    /// Keeps nadir where it is when rays are drawn towards the limb.
+    /// Keeps nadir in place when rays are pulled towards the limb.
     fn gain(&self) -> f64 {
         1.0 + self.spread_rad / self.limb_rad
     }
 
-    /// The direction, ITRF axes, that [`Self::foot`] takes to the place at `theta` from the eye's radius, towards the
-    /// level unit vector `aside` of scaled space. The inverse of it, up to [`Self::far_rad`].
+    /// The direction, ITRF axes, that [`Self::foot`] maps to the place at `theta` from the eye's radius, towards the level unit vector
+    /// `aside` of scaled space. It is the inverse of [`Self::foot`], up to [`Self::far_rad`].
     pub fn direction(&self, theta: f64, aside: DVec3) -> DVec3 {
         let nadir_rad = if theta < self.near_rad {
             let (sin, cos) = theta.sin_cos();
@@ -220,13 +219,13 @@ impl Caster {
         (aside * sin - self.up * cos) * self.radii_m
     }
 
-    /// Two unit vectors across the eye's radius, right-handed with it.
+    /// Two unit vectors perpendicular to the eye's radius, right-handed with it.
     pub fn level_axes(&self) -> (DVec3, DVec3) {
         let first = self.up.any_orthonormal_vector();
         (first, self.up.cross(first))
     }
 
-    /// Where on the grid's plane the place at `theta` towards `aside` is drawn from.
+    /// The point of the grid's plane that maps to the place at `theta` towards `aside`.
     pub fn on_screen(&self, screen: &ScreenPlane, theta: f64, aside: DVec3) -> glam::DVec2 {
         screen.place_of(self.direction(theta, aside))
     }

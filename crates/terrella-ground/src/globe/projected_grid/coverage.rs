@@ -1,9 +1,9 @@
-//! Which part of the plane the grid must cover so that no ground that shows is left out.
+//! The part of the plane that the grid must cover so that no visible ground is left out.
 //!
-//! The ground about the eye is cut into cells of rings and azimuths. Of a cell all points between its lowest and its
-//! highest height are taken: if none of them lies in the picture and above the floor's horizon, the cell is dropped; if the
-//! plane's rectangle holds it already, it says nothing new; if it is small, the rectangle grows to hold it; else it is cut
-//! in two. So the rectangle holds every place that any heights inside the source's ranges could show, at any pitch.
+//! The ground about the eye is divided into cells of rings and azimuths. A cell contains all points between its lowest and its highest
+//! height. It is dropped if none of them is in the image and above the floor's horizon. It is skipped if the plane's rectangle already
+//! contains it. If the cell is small, the rectangle grows to contain it; otherwise the cell is cut in two. The rectangle therefore contains
+//! every place that any heights within the source's ranges could make visible, at any pitch.
 
 use super::cast::Caster;
 use super::relief::{RINGS, ReliefRings};
@@ -15,9 +15,9 @@ use terrella_frames::Ellipsoid;
 /// A rectangle of the grid's plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rect {
-    /// Least x and y.
+    /// Smallest x and y.
     pub low: DVec2,
-    /// Greatest x and y.
+    /// Largest x and y.
     pub high: DVec2,
 }
 
@@ -32,17 +32,17 @@ impl Rect {
         self.high - self.low
     }
 
-    /// Whether there is anything in it.
+    /// Whether the rectangle is empty.
     pub fn is_empty(&self) -> bool {
         !(self.low.x <= self.high.x && self.low.y <= self.high.y)
     }
 
-    /// Whether it holds another.
+    /// Whether the rectangle contains another.
     pub fn holds(&self, other: &Self) -> bool {
         self.low.cmple(other.low).all() && other.high.cmple(self.high).all()
     }
 
-    /// With so much more on each side.
+    /// The rectangle grown by `by` on each side.
     pub fn grown(&self, by: DVec2) -> Self {
         Self {
             low: self.low - by,
@@ -74,27 +74,26 @@ struct Cell {
     azimuth: (f64, f64),
 }
 
-/// Azimuths that each ring is cut into at first.
+/// Number of azimuths that each ring is first divided into.
 const SECTORS: u32 = 12;
-/// Cells that a search looks at; those left over then are taken as they are.
+/// Largest number of cells that a search divides; the remaining cells are added undivided.
 const MAX_CELLS: usize = 5_000;
-/// A cell is small when it is this part of the rectangle: at first, and in the end.
+/// A cell is small below this fraction of the rectangle: in the rough search, then in the fine one.
 const ROUGH: f64 = 1.0 / 8.0;
 const SMALL: f64 = 1.0 / 48.0;
-/// A cell that the eye sees larger than this, radians, is not asked whether the rectangle holds it: its outline is not that
-/// of its corners.
+/// Cells that appear larger than this to the eye, radians, skip the test against the rectangle. Their outline is not that of their corners.
 const FLAT: f64 = 0.35;
 
-/// Finds the rectangle. Holds its list of cells from frame to frame.
+/// Finds the rectangle. Keeps its list of cells from frame to frame.
 #[derive(Debug, Default)]
 pub struct CoverageFinder {
     cells: Vec<Cell>,
-    /// Cells that the last search looked at.
+    /// Number of cells that the last search examined.
     pub looked_at: usize,
 }
 
 impl CoverageFinder {
-    /// With room for all cells that can wait at once.
+    /// Allocates room for all cells that can be pending at once.
     pub fn new() -> Self {
         Self {
             cells: Vec::with_capacity(RINGS * SECTORS as usize + MAX_CELLS),
@@ -102,12 +101,12 @@ impl CoverageFinder {
         }
     }
 
-    /// Bytes of its list.
+    /// Bytes of the list of cells.
     pub fn resident_bytes(&self) -> usize {
         self.cells.capacity() * size_of::<Cell>()
     }
 
-    /// The rectangle for an eye, or `None` where no ground can show.
+    /// The rectangle for an eye, or `None` if no ground can be visible.
     pub fn find(
         &mut self,
         ellipsoid: &Ellipsoid,
@@ -126,8 +125,8 @@ impl CoverageFinder {
             widest_m: ellipsoid.equatorial_radius_m.max(ellipsoid.polar_radius_m),
         };
         let seed = view.seed();
-        // First roughly, to know how large a cell of the answer is small; then finely. Where that would take too long, the
-        // rough answer stands: it is no smaller.
+        // A rough search first, to find the size of a small cell; then a fine one. If the fine search takes too long, the rough result is
+        // used: it is no smaller.
         let (rough, rough_cells) = self.search(&view, seed, None);
         if rough.is_empty() {
             self.looked_at = rough_cells;
@@ -140,8 +139,8 @@ impl CoverageFinder {
         Some(if is_whole { fine } else { rough })
     }
 
-    /// The rectangle of all cells, from a part of it that is known, and how many cells were looked at. `small` is the size
-    /// of cells that are not cut, in units of the plane; `None` goes by the rectangle as it grows.
+    /// The rectangle of all cells, starting from a part that is known, and the number of cells examined. `small` is the size of cells that
+    /// are not cut, in units of the plane; `None` derives it from the growing rectangle.
     fn search(&mut self, view: &View, seed: Rect, small: Option<f64>) -> (Rect, usize) {
         let mut rect = seed;
         let rings = &view.relief.rings;
@@ -215,7 +214,7 @@ impl View<'_> {
         self.axes.0 * cos + self.axes.1 * sin
     }
 
-    /// Part of the rectangle that is known to be needed: what the picture's rays meet.
+    /// Part of the rectangle that is known to be needed: the ground that the image's rays hit.
     fn seed(&self) -> Rect {
         const STEPS: u32 = 16;
         let caster = self.caster;
@@ -224,7 +223,7 @@ impl View<'_> {
         let hits = rays
             .map(|at| at * (2.0 / f64::from(STEPS)) - 1.0)
             .filter(|at| caster.nadir(self.screen.direction(*at)) < caster.limb_rad);
-        // A disc that is small in the picture may lie between those rays.
+        // A disc that is small in the image may be between those rays.
         let rings = (0..8_u32).flat_map(|ring| {
             (0..16_u32).filter_map(move |sector| {
                 let theta = caster.near_rad * f64::from(ring) / 8.0;
@@ -239,7 +238,7 @@ impl View<'_> {
         Rect::of(hits.chain(rings))
     }
 
-    /// Whether any point of the cell, between its heights, may lie in the picture and before the horizon.
+    /// Whether any point of the cell, between its heights, may be in the image and before the horizon.
     fn shows(&self, cell: &Cell) -> bool {
         let ring = &self.relief.rings[cell.ring];
         let visible_m = self.relief.horizon.lowest_visible_m(cell.theta.0);
@@ -254,7 +253,7 @@ impl View<'_> {
         let normal = (place * self.caster.per_radius).normalize();
         let bottom = place * self.caster.radii_m + normal * low_m - self.eye_itrf_m;
         let rise = normal * (ring.high_m - low_m);
-        // Ground as far from the cell's middle as its corners, and its normals leaning with it.
+        // Ground as far from the cell's middle as its corners, with normals that lean accordingly.
         let half = 0.5 * (cell.theta.1 - cell.theta.0);
         let widest = cell.theta.1.min(std::f64::consts::FRAC_PI_2).sin();
         let turn = 0.5 * (cell.azimuth.1 - cell.azimuth.0) * widest;
@@ -276,7 +275,7 @@ impl View<'_> {
         from <= to
     }
 
-    /// The cell on the plane, with more to each side than its corners span, and its size along and across.
+    /// The cell on the plane, extended beyond the span of its corners, and its size along and across.
     fn outline(&self, cell: &Cell) -> (Rect, f64, f64) {
         let at = |i: u32, j: u32| {
             let theta = cell.theta.0 + (cell.theta.1 - cell.theta.0) * 0.5 * f64::from(i);

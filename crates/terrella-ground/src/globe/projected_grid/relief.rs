@@ -1,4 +1,4 @@
-//! Between which heights the ground lies around an eye, and how far of it can show.
+//! Height ranges of the ground about an eye, and how far ground can be visible.
 
 use crate::elevation::{Bounds, Elevation, HeightRange};
 use crate::globe::culling::{GroundShell, Horizon};
@@ -9,10 +9,10 @@ use terrella_frames::Ellipsoid;
 /// Rings of ground about the eye, each twice as wide as the one inside it.
 pub const RINGS: usize = 24;
 
-/// Ground between two angles from the eye's radius, and how high it reaches.
+/// Ground between two angles from the eye's radius, with its height range.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ring {
-    /// Outer edge, radians of scaled space; the inner edge is the ring's before.
+    /// Outer edge, radians of scaled space; the inner edge is the outer edge of the ring before.
     pub outer_rad: f64,
     /// Lowest height, metres.
     pub low_m: f64,
@@ -20,19 +20,19 @@ pub struct Ring {
     pub high_m: f64,
 }
 
-/// The heights about an eye.
+/// Height ranges about an eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReliefRings {
     /// From the inside outwards.
     pub rings: [Ring; RINGS],
-    /// What ground about the eye can show.
+    /// Horizon of the ground about the eye.
     pub horizon: Horizon,
-    /// Highest less lowest, metres.
+    /// Highest minus lowest, metres.
     pub span_m: f64,
 }
 
 impl ReliefRings {
-    /// The ground about an eye. Asks the source for a range once a ring.
+    /// The ground about an eye. Queries the source for one range per ring.
     pub fn new(ellipsoid: &Ellipsoid, eye_itrf_m: DVec3, ground: &dyn Elevation) -> Self {
         let eye = eye_itrf_m * ellipsoid.scaled_from_itrf();
         let up = eye.normalize_or(DVec3::Z);
@@ -45,8 +45,8 @@ impl ReliefRings {
         };
         let horizon =
             |range| Horizon::new(ellipsoid, eye_itrf_m, GroundShell::new(ellipsoid, range));
-        // What may show by the heights of the whole Earth, then by those of that region: its mountains end the region,
-        // not ones on the other side of the Earth.
+        // First the region visible with the heights of the whole Earth, then with those of that region. Its own mountains then limit the
+        // region, not ones on the other side of the Earth.
         let range = around(horizon(around(PI)).far_rad());
         let horizon = horizon(range);
         let far_rad = horizon.far_rad();
@@ -68,7 +68,7 @@ impl ReliefRings {
     }
 }
 
-/// Heights beyond these are no ground of the Earth's; a source that answers them cannot make the grid useless.
+/// Limits of heights on the Earth; values beyond them from a source cannot make the grid useless.
 const LOWEST_M: f64 = -100_000.0;
 const HIGHEST_M: f64 = 100_000.0;
 

@@ -1,43 +1,43 @@
-//! The plane that the grid is ruled on: the picture, continued on all sides as far as behind the eye.
+//! The plane that the grid is ruled on: the image, extended on all sides to directions behind the eye.
 
 use crate::globe::culling::Frustum;
 use glam::{DMat4, DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// Rays through a picture of any perspective projection whose centre is the eye.
+/// Rays through an image of any perspective projection whose centre is the eye.
 ///
-/// Coordinates are those of clip space, x/w and y/w: the picture is −1…1. A picture cannot show what lies beside or behind
-/// the eye, but ground there may stand up into it. So outside the circle about the picture's corners a step turns the
-/// ray by as much as it does in the middle, up to straight back.
+/// Coordinates are those of clip space, x/w and y/w: the image is −1…1. Ground beside or behind the eye is not in the image, but it may
+/// rise into it. Outside the circle about the image's corners, a step therefore turns the ray by as much as in the middle, up to straight
+/// back.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScreenPlane {
     /// Unit vector along which w grows, ITRF axes.
     pub forward: DVec3,
-    /// Ray through (0, 0), one ahead.
+    /// Ray through (0, 0), with component 1 along `forward`.
     pub middle: DVec3,
-    /// Its change with x, across `forward`.
+    /// Change of the ray with x, perpendicular to `forward`.
     pub right: DVec3,
-    /// Its change with y.
+    /// Change of the ray with y.
     pub up: DVec3,
-    /// Distance of the farthest corner from the point straight ahead, and its angle.
+    /// Distance of the farthest corner from the point straight ahead.
     pub corner: f64,
     /// atan [`Self::corner`].
     pub corner_rad: f64,
     /// Solid angle of a unit of the plane's area straight ahead, steradians.
     pub area: f64,
-    /// Whether the picture is mirrored.
+    /// Whether the image is mirrored.
     pub mirrored: bool,
-    /// (x, y) of clip space from a ray one ahead.
+    /// (x, y) of clip space from a ray with component 1 along `forward`.
     rows: [DVec3; 2],
     frustum: Frustum,
 }
 
 impl ScreenPlane {
-    /// Of the matrix from eye-relative ITRF metres to clip space; `None` where it has no centre or is not finite.
+    /// The plane of a matrix from eye-relative ITRF metres to clip space; `None` if the matrix has no centre or is not finite.
     ///
-    /// Depth plays no part: the ray of (x, y) lies in the planes x_clip = x w and y_clip = y w, whose normals are
-    /// r_x − x r_w and r_y − y r_w with r the matrix' rows. Their cross product is
-    /// r_x × r_y + x (r_y × r_w) + y (r_w × r_x), and w along it is the determinant of the three.
+    /// Depth is not used. The ray of (x, y) is in the planes x_clip = x w and y_clip = y w. Their normals are r_x − x r_w and r_y − y r_w
+    /// with r the matrix' rows. Their cross product is r_x × r_y + x (r_y × r_w) + y (r_w × r_x), and w along it is the determinant of the
+    /// three.
     pub fn new(clip_from_eye: &DMat4) -> Option<Self> {
         let row = |k: usize| clip_from_eye.row(k).truncate();
         let (x, y, w) = (row(0), row(1), row(3));
@@ -65,19 +65,19 @@ impl ScreenPlane {
             area: right.cross(up).length(),
             corner,
             corner_rad: corner.atan(),
-            // x to the right, y upwards and w ahead are left-handed.
+            // Axes with x to the right, y upwards and w ahead are left-handed.
             mirrored: determinant > 0.0,
             rows: [x, y].map(|row| row / slope),
             frustum: Frustum::new(clip_from_eye).without_depth(),
         })
     }
 
-    /// The unit direction of a place on the plane, ITRF axes.
+    /// Unit direction of a point of the plane, ITRF axes.
     pub fn direction(&self, at: DVec2) -> DVec3 {
         self.ray(at).0
     }
 
-    /// [`Self::direction`], and the solid angle that a unit of the plane's area has there, steradians.
+    /// [`Self::direction`], and the solid angle of a unit of the plane's area there, steradians.
     pub fn ray(&self, at: DVec2) -> (DVec3, f64) {
         let aside = self.middle - self.forward + self.right * at.x + self.up * at.y;
         let square = aside.length_squared();
@@ -89,12 +89,12 @@ impl ScreenPlane {
         let q = square.sqrt();
         let angle = (self.corner_rad + q - self.corner).min(PI);
         let (sin, cos) = angle.sin_cos();
-        // Beside and behind the eye rows close up; a sample there stands for no less than at the side.
+        // Beside and behind the eye rows converge; a sample there covers no less than at the side.
         let part = if angle < 0.5 * PI { sin } else { 1.0 } / q;
         (self.forward * cos + aside * (sin / q), self.area * part)
     }
 
-    /// The place on the plane whose direction this is; the inverse of [`Self::direction`].
+    /// The point of the plane with this direction; the inverse of [`Self::direction`].
     pub fn place_of(&self, direction: DVec3) -> DVec2 {
         let ahead = self.forward.dot(direction);
         let aside = direction - self.forward * ahead;
@@ -115,8 +115,8 @@ impl ScreenPlane {
         DVec2::new(x.dot(ray), y.dot(ray))
     }
 
-    /// Inward unit normals of planes through the eye that bound what the picture shows: its four sides, and the one
-    /// across the view, which the sides of a narrow picture tell hardly.
+    /// Inward unit normals of planes through the eye that bound the image: its four sides, and the plane across the view, which the sides
+    /// of a narrow image hardly determine.
     pub fn sides(&self) -> [DVec3; 5] {
         let [left, right, bottom, top] = self.frustum.side_normals();
         [self.forward, right, left, top, bottom]

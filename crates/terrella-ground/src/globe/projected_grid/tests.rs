@@ -12,18 +12,18 @@ use glam::{DMat3, DMat4, DVec4};
 
 const R: f64 = 6.37e6;
 
-/// Waves of one length over the whole Earth, or a single mountain: smooth, so that pictures of it can be foretold.
+/// Waves of one length over the whole Earth, or a single mountain: smooth, so that images of it can be predicted.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Ground {
     Flat(f64),
-    /// Middle, amplitude and wave length, metres.
+    /// Mean height, amplitude and wave length, metres.
     Waves(f64, f64, f64),
     /// Latitude, longitude, height and radius in metres, over −10 m.
     Mountain(f64, f64, f64, f64),
 }
 
 impl Ground {
-    /// Metres per metre, not exceeded anywhere.
+    /// Upper bound of the slope, metres per metre.
     pub fn steepest(&self) -> f64 {
         match *self {
             Self::Flat(_) => 0.0,
@@ -68,7 +68,7 @@ impl Elevation for Ground {
         let (low_m, high_m) = match *self {
             Self::Flat(height_m) => (height_m, height_m),
             Self::Waves(middle, amplitude, _) => {
-                // From the middle's height, by the steepest slope.
+                // From the height in the middle, by the steepest slope.
                 let (lat, lon) = (
                     0.5 * (bounds.south_rad + bounds.north_rad),
                     bounds.west_rad + 0.5 * bounds.width_rad,
@@ -119,21 +119,21 @@ impl Elevation for Ground {
     }
 }
 
-/// A view by plain numbers, degrees.
+/// A view given by plain numbers, degrees.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Look {
     pub lat: f64,
     pub lon: f64,
-    /// Above the ground there.
+    /// Height above the ground there.
     pub height_m: f64,
-    /// From straight down: 90 is level.
+    /// Angle from straight down: 90 is level.
     pub pitch: f64,
-    /// From north, eastwards.
+    /// Angle from north, eastwards.
     pub heading: f64,
     pub roll: f64,
     /// Full vertical angle.
     pub fov: f64,
-    /// Shift of the projection's centre, in half pictures.
+    /// Shift of the projection's centre, in half images.
     pub shift: (f64, f64),
 }
 

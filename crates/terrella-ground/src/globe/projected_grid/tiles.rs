@@ -1,14 +1,14 @@
-//! The pyramid of height tiles: which level, which tiles, and a bounded cache of them for the GPU form.
+//! The pyramid of height tiles: the choice of level and tiles, and a bounded cache of them for the GPU form.
 //!
-//! Level l ≥ 1 has 2^l × 2^(l−1) tiles of latitude and longitude, each of 64 × 64 cells, 65 × 65 samples, neighbours
-//! sharing their edges. Samples per square radian: d_l = 4^(l−1) d₁. A region of area s (latitude × longitude, as the paper
-//! counts) is loaded at level ⌊log₄(m/(d₁ s)) + 1⌋, so that at most m samples are needed for it.
+//! Level l ≥ 1 has 2^l × 2^(l−1) tiles of latitude and longitude, each of 64 × 64 cells, 65 × 65 samples; neighbours share their edges.
+//! Samples per square radian: d_l = 4^(l−1) d₁. A region of area s (latitude × longitude, as in the paper) is loaded at level
+//! ⌊log₄(m/(d₁ s)) + 1⌋. It then needs at most m samples.
 //!
-//! The paper loads one level for the whole picture, which is too coarse by the eye when the horizon is in view. So the rule
-//! is applied to nested windows: level l is wanted where samples of the grid stand so close that they need it, and that
-//! window is cut about the closest of them until the rule gives it l.
+//! The paper loads one level for the whole image, which is too coarse near the eye when the horizon is in view. The rule is therefore
+//! applied to nested windows. Level l is wanted where samples of the grid are close enough to need it. That window is cut about the closest
+//! of them until the rule gives it l.
 //!
-//! Near a pole a window of all longitudes is many tiles, and is cut: a coarser level serves the rest of the turn.
+//! Near a pole a window of all longitudes has many tiles, and is cut: a coarser level covers the rest of the 360°.
 
 use super::{Caster, GridFrame};
 use crate::elevation::{Bounds, Elevation, HeightChange};
@@ -18,7 +18,7 @@ use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use terrella_frames::Ellipsoid;
 
-/// m of the paper: samples that a window may need.
+/// m of the paper: largest number of samples that a window may need.
 pub const WINDOW_SAMPLES: f64 = 36.0 * (TILE_CELLS * TILE_CELLS) as f64;
 
 /// Angle between samples of a level (from 1), radians.
@@ -26,7 +26,7 @@ pub fn level_spacing_rad(level: u32) -> f64 {
     PI / f64::from(TILE_CELLS) / f64::from(level.saturating_sub(1).min(60)).exp2()
 }
 
-/// d₁: samples of level 1 a square radian.
+/// d₁: samples of level 1 per square radian.
 pub fn first_density() -> f64 {
     level_spacing_rad(1).powi(-2)
 }
@@ -34,27 +34,27 @@ pub fn first_density() -> f64 {
 /// ⌊log₄(m/(d₁ s)) + 1⌋, from 1 to `finest`: the level at which an area of s square radians needs at most m samples.
 pub fn pyramid_level(samples: f64, first_density: f64, area: f64, finest: u32) -> u32 {
     let level = (samples / (first_density * area)).log2() * 0.5 + 1.0;
-    // Nothing at all needs the finest; what is no number, the coarsest.
+    // Zero area needs the finest level; NaN gives the coarsest.
     (level.floor().max(1.0) as u32).min(finest.max(1))
 }
 
 /// A tile of the pyramid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HeightTile {
-    /// From 1.
+    /// Level, from 1.
     pub level: u32,
-    /// From 180° W eastwards.
+    /// Column, from 180° W eastwards.
     pub column: u32,
-    /// From the south pole northwards.
+    /// Row, from the south pole northwards.
     pub row: u32,
 }
 
-/// The part of a level that is looked for.
+/// The part of a level that is searched for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TileWindow {
     /// Its first column, 0…2^l − 1, and row.
     pub first: (u32, u32),
-    /// Columns and rows; columns go on over the date line.
+    /// Columns and rows; columns continue across the date line.
     pub size: (u32, u32),
     /// Slot of each tile, row by row, or [`NO_SLOT`].
     pub slots: [u32; WINDOW_TILES],
@@ -68,18 +68,18 @@ impl TileWindow {
     };
 }
 
-/// What an update did.
+/// Counts of an update.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TileCounts {
     /// Tiles that the view needs.
     pub wanted: u32,
-    /// Of those, tiles that were not there before and are now.
+    /// Wanted tiles that this update loaded.
     pub loaded: u32,
-    /// Of those, tiles that are still missing; a later update loads them.
+    /// Wanted tiles that are still missing; a later update loads them.
     pub missing: u32,
-    /// Of those wanted, tiles that are drawn with heights that have changed since; a later update loads them again.
+    /// Wanted tiles that are drawn with outdated heights; a later update loads them again.
     pub stale: u32,
-    /// Tiles that gave way.
+    /// Evicted tiles.
     pub evicted: u32,
 }
 
@@ -87,7 +87,7 @@ pub struct TileCounts {
 struct Slot {
     tile: Option<HeightTile>,
     used: u64,
-    /// Heights have changed since it was loaded.
+    /// Heights have changed since the tile was loaded.
     is_stale: bool,
 }
 
@@ -103,24 +103,24 @@ pub struct HeightTiles {
     update: u64,
 }
 
-/// A place that the grid needs heights at.
+/// A place where the grid needs heights.
 #[derive(Clone, Copy)]
 struct Need {
     lat_rad: f64,
-    /// From the eye's longitude, −π…π.
+    /// Longitude from the eye's, −π…π.
     east_rad: f64,
     level: u32,
 }
 
-/// Tiles are averaged over less than is asked for: what lies between their samples is averaged once more. A box of half the
-/// width s has the variance s²/3; with interpolation between samples 2s apart it becomes s², with this s²/2.
+/// Tiles are averaged over less than requested, because interpolation between their samples averages once more. A box of half the width s
+/// has the variance s²/3. With interpolation between samples 2s apart it becomes s², and with this factor s²/2.
 pub const SHARPER: f64 = 0.7;
 
-/// Every so many samples of the grid are asked, each way.
+/// Stride of the grid samples that are tested, each way.
 const STRIDE: usize = 4;
 
 impl HeightTiles {
-    /// With room for so many tiles (at least 16), all memory at once: 16.9 kB each.
+    /// Makes a cache of `slots` tiles (at least 16) and allocates all memory at once: 16.9 kB each.
     pub fn new(slots: u32) -> Self {
         let slots = slots.clamp(16, 65_535) as usize;
         Self {
@@ -149,7 +149,7 @@ impl HeightTiles {
             + size_of::<Self>()
     }
 
-    /// Slots, as many as layers of an array texture.
+    /// Number of slots, equal to the layers of an array texture.
     pub fn slot_count(&self) -> u32 {
         self.slots.len() as u32
     }
@@ -159,7 +159,7 @@ impl HeightTiles {
         &self.changed
     }
 
-    /// The number of the update that wrote each slot last, 0 for none.
+    /// Number of the update that last wrote each slot, 0 for none.
     pub fn written(&self) -> &[u64] {
         &self.written
     }
@@ -180,7 +180,7 @@ impl HeightTiles {
         &self.windows
     }
 
-    /// Finds the tiles that a frame needs and loads those that are not there, the coarsest first, at most `max_loads`.
+    /// Finds the tiles that a frame needs and loads missing ones, the coarsest first, at most `max_loads`.
     pub fn update(
         &mut self,
         frame: &GridFrame,
@@ -221,7 +221,7 @@ impl HeightTiles {
     ) -> u32 {
         if let Some(slot) = self.slots.iter().position(|slot| slot.tile == Some(tile)) {
             self.slots[slot].used = self.update;
-            // What it holds is drawn until there is time to load it again.
+            // The old heights are drawn until there is time to load the tile again.
             if self.slots[slot].is_stale && may_load {
                 counts.loaded += 1;
                 self.load(slot, tile, ground);
@@ -230,7 +230,7 @@ impl HeightTiles {
             }
             return slot as u32;
         }
-        // The slot that was not needed for longest, if it is not needed now.
+        // The least recently used slot, if it is not needed now.
         let oldest = self
             .slots
             .iter()
@@ -289,8 +289,8 @@ impl HeightTiles {
     fn choose_windows(&mut self, frame: &GridFrame, ground: &dyn Elevation) {
         self.windows = [TileWindow::NONE; LEVELS];
         let (_, lon_eye) = eye_place(&frame.caster);
-        // Tiles' samples are not the data's, which need not go straight between their own: at eight times as many, a
-        // sixty-fourth of what they bend is lost.
+        // Samples of tiles differ from those of the data, whose surface may bend between its samples. With eight times as many samples, a
+        // sixty-fourth of the bend is lost.
         let finest = |lat_rad, lon_rad| {
             let finest_rad = ground.finest_spacing_rad(lat_rad, lon_rad);
             (level_of(0.125 * finest_rad).ceil() + 1.0).clamp(1.0, LEVELS as f64)
@@ -332,11 +332,11 @@ impl HeightTiles {
                 break;
             }
             let step = level_spacing_rad(level);
-            // A step to each side: samples between those that were asked.
+            // A margin for the samples between the tested ones.
             let (mut from, mut to) = (low[index] - 2.0 * step, high[index] + 2.0 * step);
             let area = (to - from).element_product();
             if pyramid_level(WINDOW_SAMPLES, first_density(), area, LEVELS as u32) < level {
-                // The side of a square of m samples, but no longer than the window.
+                // The side of a square of m samples, at most as long as the window.
                 let side = WINDOW_SAMPLES.sqrt() * step;
                 let half = (0.5 * (to - from)).min(DVec2::splat(0.5 * side));
                 let center = focus.1.clamp(from + half, to - half);
@@ -344,7 +344,7 @@ impl HeightTiles {
             }
             self.windows[index] = window(level, from, to, lon_eye);
         }
-        // Level 1 is the whole Earth, so that nothing is without a height.
+        // Level 1 is the whole Earth, so that every place has a height.
         self.windows[0] = TileWindow {
             first: (0, 0),
             size: (2, 1),
@@ -352,8 +352,8 @@ impl HeightTiles {
         };
     }
 
-    /// The height at a place, averaged over about `spacing_rad` to each side, from the tiles that are there: between the
-    /// two levels whose samples are averaged over less and over more. What the shader computes, in f64.
+    /// The height at a place, averaged over about `spacing_rad` to each side, from the loaded tiles. It interpolates between the two levels
+    /// whose samples are averaged over less and over more. The shader computes the same; this is in f64.
     pub fn height_m(&self, lat_rad: f64, lon_rad: f64, spacing_rad: f64) -> f64 {
         let level = level_of(SHARPER * spacing_rad).clamp(1.0, LEVELS as f64);
         let (coarse, part) = (level.floor(), level.fract());
@@ -398,7 +398,7 @@ impl HeightTiles {
     }
 }
 
-/// The level (from 1, a fraction between two) whose samples are averaged over `spacing_rad` to each side.
+/// The level (from 1, with a fraction) whose samples are averaged over `spacing_rad` to each side.
 pub fn level_of(spacing_rad: f64) -> f64 {
     1.0 + (level_spacing_rad(1) / (2.0 * spacing_rad).max(1e-12)).log2()
 }
@@ -428,7 +428,7 @@ fn window(level: u32, from: DVec2, to: DVec2, lon_eye: f64) -> TileWindow {
     let mut columns = ((east - west + 1.0) as u32).min(columns_in_all);
     let mut rows = ((north - south + 1.0) as u32).min(rows_in_all);
     let (mut first_column, mut first_row) = (west, south as u32);
-    // Cut evenly on both sides, the longer way first.
+    // Cut evenly on both sides, the longer dimension first.
     while (columns * rows) as usize > WINDOW_TILES {
         if columns >= rows {
             first_column += f64::from(columns % 2);
@@ -448,7 +448,7 @@ fn window(level: u32, from: DVec2, to: DVec2, lon_eye: f64) -> TileWindow {
     }
 }
 
-/// Whether any ground of a tile can show: the visible region's test for a cap about the tile.
+/// Whether any ground of a tile can be visible: the visible region's test for a cap about the tile.
 fn may_show(tile: &HeightTile, frame: &GridFrame) -> bool {
     let side = level_spacing_rad(tile.level) * f64::from(TILE_CELLS);
     let place = |column: f64, row: f64| -> DVec3 {
@@ -457,7 +457,7 @@ fn may_show(tile: &HeightTile, frame: &GridFrame) -> bool {
     };
     let (column, row) = (f64::from(tile.column), f64::from(tile.row));
     let center = place(column + 0.5, row + 0.5);
-    // The farthest of a rectangle of latitude and longitude is no farther than half its sides together.
+    // The farthest point of a rectangle of latitude and longitude is at most half the sum of its sides away.
     let reach = 1.01 * side;
     is_within_angle(center, frame.caster.up, frame.caster.far_rad + reach)
 }

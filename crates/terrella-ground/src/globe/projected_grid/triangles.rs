@@ -1,13 +1,13 @@
-//! The grid's triangles, in an order in which neighbours stand together, and which blocks they may touch.
+//! The grid's triangles, in an order that keeps neighbours together, and the blocks that they may touch.
 
 use super::GridFrame;
 use crate::globe::{IndexRange, TriangleList, blocks_near};
 use glam::DVec3;
 use std::ops::Range;
 
-/// Squares that a grid is cut in, each way.
+/// Number of squares that a grid is divided into, each way.
 const SQUARES: u32 = 8;
-/// Places of a square that are looked at, each way, besides the first.
+/// Points of a square that are tested, each way, besides the first.
 const LOOKS: u32 = 4;
 
 /// Cells of the squares along one side of the grid.
@@ -34,10 +34,10 @@ pub fn indices((columns, rows): (u32, u32)) -> TriangleList {
     TriangleList { triangles }
 }
 
-/// The squares of a frame's triangles, and the blocks that they may touch, whatever their heights.
+/// The squares of a frame's triangles, and the blocks that they may touch at any height.
 ///
-/// Of each square 5 × 5 places are looked at. What lies between them is in the box about them, or beyond it by less than half of
-/// what lies between two that are next to each other.
+/// In each square 5 × 5 points are tested. Points between them are in the bounding box of the tested ones, or outside it by less than half
+/// of the distance between adjacent ones.
 pub fn grid_ranges(frame: &GridFrame, out: &mut Vec<IndexRange>) {
     out.clear();
     let (columns, rows) = frame.samples;

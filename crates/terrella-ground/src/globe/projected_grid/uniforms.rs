@@ -1,4 +1,4 @@
-//! What the GPU form is given each frame: the uniform of `shaders/earth/vertex/projected_grid.wgsl`, from a [`GridFrame`] in f64.
+//! Data of the GPU form for each frame: the uniform of `shaders/earth/vertex/projected_grid.wgsl`, from a [`GridFrame`] in f64.
 
 use super::tiles::{HeightTiles, eye_place, level_spacing_rad};
 use super::{GridFrame, SampleFootprint};
@@ -7,7 +7,7 @@ use glam::{DVec2, UVec2, UVec4, Vec2};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 impl GridUniforms {
-    /// Of a frame and the tiles that are there. All differences of large numbers are taken here, in f64.
+    /// Uniforms for a frame and the loaded tiles. All differences of large numbers are computed here, in f64.
     pub fn new(frame: &GridFrame, tiles: &HeightTiles) -> Self {
         let (screen, caster) = (&frame.screen, &frame.caster);
         let (columns, rows) = frame.samples;
@@ -22,7 +22,7 @@ impl GridUniforms {
         let eye_normal = (caster.up / caster.radii_m).normalize();
         let base = (1.0 + caster.above) * caster.sin_limb;
         let radial_m = caster.up * caster.radii_m;
-        // As the shader has it: what rounding takes from it must not come twice.
+        // Rounded as in the shader, so that the rounding error is not applied twice.
         let base_m = f64::from(((base - 1.0) * radial_m.length()) as f32);
         let to_base_m = eye_normal * base_m - radial_m * caster.above;
         let mut levels = [GridLevel::default(); LEVELS];
@@ -31,7 +31,7 @@ impl GridUniforms {
             let spacing = level_spacing_rad(k as u32 + 1);
             let cells = f64::from(TILE_CELLS);
             let period = 2.0 * PI / spacing;
-            // Small where the eye is near the window, on either side of it: f32 then counts to fractions of a cell.
+            // Small if the eye is near the window, on either side of it: f32 then resolves fractions of a cell.
             let east = (eye_lon + PI) / spacing - f64::from(window.first.0) * cells;
             let east = (east + 0.5 * period).rem_euclid(period) - 0.5 * period;
             let north = (eye_lat + FRAC_PI_2) / spacing - f64::from(window.first.1) * cells;

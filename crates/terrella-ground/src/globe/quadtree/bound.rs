@@ -1,20 +1,20 @@
-//! How far a leaf may lie from its data.
+//! Bounds of the distance between a leaf and its data.
 
-/// What a square drawn as one leaf is off by, in the units of the heights.
+/// Error of a square drawn as one leaf, in the units of the heights.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LeafError {
-    /// Largest of the paper's five: how far the centre and the middles of the edges lie from the mean of the ends of a
-    /// diagonal or of the edge.
+    /// Largest of the paper's five: distances of the centre and of the middles of the edges from the mean of the ends of a diagonal or of
+    /// the edge.
     pub midpoints: f64,
-    /// Most that any post differs from the leaf's triangles, whichever posts of its edges finer neighbours put in.
+    /// Upper bound of the difference between any post and the leaf's triangles, whichever posts finer neighbours insert into its edges.
     pub bound: f64,
 }
 
 /// The errors of the square of `size` × `size` steps (a power of two, 2 or more) with its north-western post at (x, y).
 ///
-/// A leaf is a fan of triangles from its centre to its edges, so its height is c(1 − t) + t·edge, with t = 0 in the centre
-/// and 1 on the edge. Points that finer neighbours put into an edge move it by some amount between the lowest and the
-/// highest that any post of the edge departs from it; the error within moves by t times that.
+/// A leaf is a fan of triangles from its centre to its edges. Its height is c(1 − t) + t·edge, with t = 0 in the centre and 1 on the edge.
+/// Points that finer neighbours insert into an edge move it. The displacement is between the lowest and the highest departure of any post
+/// from the edge; the error inside changes by t times that.
 pub fn leaf_error(
     height: impl Fn(usize, usize) -> f64,
     x: usize,
@@ -36,10 +36,10 @@ pub fn leaf_error(
     }
 }
 
-/// Most that data differ from a leaf where they are known by their range alone: `range` is the lowest and highest height in
-/// the square of two by two steps whose north-western post is (x, y), both even.
+/// Upper bound of the difference between data and a leaf if only the range of the data is known. `range` is the lowest and highest height
+/// in the square of two by two steps whose north-western post is (x, y), both even.
 ///
-/// In such a square the leaf's height lies between those at its corners: the leaf's own creases pass through them.
+/// In such a square the leaf's height is between those at its corners: the leaf's own creases pass through them.
 pub fn leaf_range_error(
     height: impl Fn(usize, usize) -> f64,
     range: impl Fn(usize, usize) -> (f64, f64),
@@ -61,13 +61,13 @@ pub fn leaf_range_error(
     bound
 }
 
-/// A leaf as its triangles, and how far its edges may be moved.
+/// A leaf as its triangles, and how far its edges may move.
 struct Fan {
     size: usize,
     center: f64,
     /// Heights at the ends of each side, in the order of growing x or y: west, south, east, north.
     ends: [(f64, f64); 4],
-    /// Lowest and highest that a post departs from the side's straight line.
+    /// Lowest and highest departure of a post from the side's straight line.
     departs: [(f64, f64); 4],
     midpoints: f64,
 }
@@ -105,7 +105,7 @@ impl Fan {
         }
     }
 
-    /// Lowest and highest that the leaf may be at a post.
+    /// Lowest and highest height that the leaf may have at a post.
     fn heights(&self, i: usize, j: usize) -> (f64, f64) {
         let half = (self.size / 2) as f64;
         let (u, v) = (i as f64 - half, j as f64 - half);

@@ -1,8 +1,8 @@
-//! What the forest does where heights have changed.
+//! Updates of the forest where heights have changed.
 //!
-//! Vertices there that two patches have are computed again by the next view, in all patches at once: so edges stay closed. Those
-//! inside patches follow over the next views, near ones first. What is known of squares is widened at once, so that nothing is culled that could be seen, and read again over the next views: until then squares are divided
-//! by what was known of them.
+//! The next view computes changed vertices that two patches share again, in all patches at once, so edges stay closed. Vertices inside
+//! patches follow over the next views, near ones first. The properties of squares are widened at once, so that nothing visible is culled.
+//! They are read again over the next views; until then squares are divided by the old properties.
 
 use super::forest::Forest;
 use super::lod::LodView;
@@ -10,10 +10,10 @@ use super::patch::step_m;
 use super::surface::{PAGE_WORK, Quadtree};
 use crate::elevation::{Elevation, HeightChange};
 
-/// Part of a frame's work that goes into squares whose heights have changed.
+/// Divisor of a frame's work that gives the part for squares whose heights have changed.
 const PART: u32 = 4;
 
-/// Vertices inside patches that a view computes again because their heights have changed: about a millisecond.
+/// Number of changed vertices inside patches that a view computes again: about a millisecond.
 const RENEWED: u32 = 1200;
 
 impl Quadtree {
@@ -27,11 +27,11 @@ impl Quadtree {
         self.work_done = self
             .work_done
             .saturating_add(most.saturating_mul(PAGE_WORK));
-        // What was found may ask for more, or less.
+        // The new heights may need more leaves, or fewer.
         self.changes += 1;
     }
 
-    /// Computes vertices again whose heights have changed, in the patches that are not built again as a whole.
+    /// Computes changed vertices again, in the patches that are not rebuilt as a whole.
     pub(super) fn renew(&mut self, forest: &Forest, lod: &LodView, ground: &dyn Elevation) {
         let mut order = std::mem::take(&mut self.order);
         order.clear();
@@ -56,7 +56,7 @@ impl Quadtree {
         self.order = order;
     }
 
-    /// Has the vertices computed again that may have changed.
+    /// Marks the vertices that may have changed, to be computed again.
     pub(super) fn mark_changed(
         &mut self,
         forest: &Forest,

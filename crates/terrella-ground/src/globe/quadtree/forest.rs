@@ -1,4 +1,4 @@
-//! The forest over the Earth: one tree to each of the 16 × 8 blocks, in pages that are read when the eye comes near.
+//! The forest over the Earth: one tree for each of the 16 × 8 blocks, in pages that are read when the eye comes near.
 
 use super::node::{Cut, Domain, Node};
 use super::page::{DEPTH, PAGE_NODES, PageReader, SquareInfo, bounds, quarter};
@@ -23,17 +23,17 @@ struct Page {
     /// Pages of the quarters.
     below: [u32; PAGE_NODES],
     pages_below: u32,
-    /// Squares that are divided, a bit each.
+    /// One bit per square that is divided.
     split: u8,
-    /// Squares that are patches.
+    /// One bit per square that is a patch.
     patch: u8,
-    /// The frame in which it was last asked for.
+    /// The frame in which it was last used.
     asked: u64,
-    /// Errors of the quarters as this page knows them; what is read below one may know better.
+    /// Errors of the quarters according to this page; a page read below one may have a better value.
     own_error_m: [f32; PAGE_NODES],
-    /// The error of its node as this page knows it.
+    /// Error of its node according to this page.
     node_error_m: f32,
-    /// Heights have changed since it was read.
+    /// Whether heights have changed since it was read.
     is_stale: bool,
 }
 
@@ -44,24 +44,24 @@ struct Root {
     is_patch: bool,
 }
 
-/// Where a node is kept: a root by its block, another by its page and its place there.
+/// Where a node is stored: a root by its block, another by its page and its index there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Slot {
     page: u32,
     place: u32,
 }
 
-/// The trees, which of their squares are divided, and which are patches.
+/// The trees, with the squares that are divided and those that are patches.
 pub struct Forest {
     ellipsoid: Ellipsoid,
     roots: Vec<Root>,
     pages: Vec<Page>,
-    /// Where the search for a page to give up goes on.
+    /// Index at which the search for a page to evict continues.
     hand: usize,
     max_pages: usize,
     /// Pages whose heights have changed since they were read.
     stale: u32,
-    /// The page that was looked at last for that.
+    /// The page that was last checked for that.
     reread: usize,
     frame: u64,
     reader: PageReader,
@@ -104,7 +104,7 @@ impl Forest {
         let mut forest = Self {
             ellipsoid,
             roots: Vec::with_capacity(BLOCK_COUNT as usize),
-            // Never moved: that would take longer than a frame has.
+            // Never reallocated: that would take longer than a frame.
             pages: Vec::with_capacity(max_pages),
             hand: 0,
             max_pages,
@@ -148,12 +148,12 @@ impl Forest {
         (own, page)
     }
 
-    /// Figure of the Earth that heights refer to.
+    /// Figure of the Earth that heights are measured from.
     pub fn ellipsoid(&self) -> &Ellipsoid {
         &self.ellipsoid
     }
 
-    /// Starts a frame: pages asked for from now on are kept through it.
+    /// Starts a frame: pages used from now on are kept through it.
     pub fn start_frame(&mut self) {
         self.frame += 1;
         self.reader.samples_read = 0;
@@ -175,7 +175,7 @@ impl Forest {
         self.pages.len()
     }
 
-    /// Where a node is kept, if its page is there.
+    /// Where a node is stored, if its page is in memory.
     pub fn slot(&self, node: Node) -> Option<Slot> {
         let mut slot = root_slot(node.ancestor(0));
         for level in 1..=node.level {
@@ -196,13 +196,13 @@ impl Forest {
         (page != NONE).then_some(page)
     }
 
-    /// Where the quarters of a node are kept, in Morton order.
+    /// Where the quarters of a node are stored, in Morton order.
     pub fn children(&self, slot: Slot) -> Option<[Slot; PAGE_NODES]> {
         let page = self.page_of(slot)?;
         Some([0, 1, 2, 3].map(|place| Slot { page, place }))
     }
 
-    /// What is known of a node.
+    /// Properties of a node.
     pub fn info(&self, slot: Slot) -> &SquareInfo {
         match slot.page {
             NONE => &self.roots[slot.place as usize].info,
@@ -218,7 +218,7 @@ impl Forest {
         }
     }
 
-    /// The node is a patch.
+    /// Whether the node is a patch.
     pub fn is_patch(&self, slot: Slot) -> bool {
         match slot.page {
             NONE => self.roots[slot.place as usize].is_patch,
@@ -226,7 +226,7 @@ impl Forest {
         }
     }
 
-    /// Makes a node a patch, or no longer one.
+    /// Makes a node a patch, or makes it no longer one.
     pub fn set_patch(&mut self, slot: Slot, is_patch: bool) {
         match slot.page {
             NONE => self.roots[slot.place as usize].is_patch = is_patch,
@@ -234,13 +234,13 @@ impl Forest {
         }
     }
 
-    /// The child of `at` that holds a finer node, with its slot.
+    /// The child of `at` that contains a finer node, with its slot.
     fn towards(&self, at: Node, slot: Slot, node: Node) -> Option<(Node, Slot)> {
         let (next, k) = at.child_towards(node);
         Some((next, self.child(at, slot, k)?))
     }
 
-    /// The patch that a node lies in, or that is the node.
+    /// The patch that contains a node, or is the node.
     pub fn patch_of(&self, node: Node) -> Option<Node> {
         let mut at = node.ancestor(0);
         let mut slot = root_slot(at);
@@ -255,7 +255,7 @@ impl Forest {
         }
     }
 
-    /// The patches that have a point in common with a square, itself among them if it is one.
+    /// The patches that share a point with a square, including itself if it is one.
     pub fn patches_beside(&self, node: Node, found: &mut impl FnMut(Node)) {
         for index in 0..BLOCK_COUNT {
             let block = Node {
@@ -281,7 +281,7 @@ impl Forest {
         }
     }
 
-    /// The leaf that holds a node, or that is the node; `None` where the node is divided.
+    /// The leaf that contains a node, or is the node; `None` if the node is divided.
     pub fn leaf_of(&self, node: Node) -> Option<Node> {
         let mut at = node.ancestor(0);
         let mut slot = root_slot(at);
@@ -294,12 +294,12 @@ impl Forest {
         Some(at)
     }
 
-    /// What lies below a node is known.
+    /// Whether the page below a node is in memory.
     pub fn has_children(&self, slot: Slot) -> bool {
         self.page_of(slot).is_some()
     }
 
-    /// Reads what lies below a node. False where all pages are in use.
+    /// Reads the page below a node. Returns false if all pages are in use.
     pub fn read_children(&mut self, node: Node, slot: Slot, ground: &dyn Elevation) -> bool {
         if self.has_children(slot) {
             return true;
@@ -316,25 +316,25 @@ impl Forest {
         let holder = &mut self.pages[slot.page as usize];
         holder.below[slot.place as usize] = index;
         holder.pages_below += 1;
-        // Read finer, the same square may turn out smoother than was feared.
+        // At the finer reading, the same square may be smoother than the first bound.
         let info = &mut holder.infos[slot.place as usize];
         info.error_m = info.error_m.min(own.error_m);
         true
     }
 
-    /// Notes that what lies below a node is in use.
+    /// Marks the page below a node as used.
     pub fn touch(&mut self, slot: Slot) {
         if let Some(page) = self.page_of(slot) {
             self.pages[page as usize].asked = self.frame;
         }
     }
 
-    /// A place for a page: a new one, or that of a page that nothing needs and that was not asked for lately.
+    /// An index for a page: a new one, or that of an unneeded page that was not used lately.
     fn room(&mut self) -> Option<u32> {
         if self.pages.len() < self.max_pages {
             return Some(self.pages.len() as u32);
         }
-        // Twice around: what was asked for in this frame or the last is left alone.
+        // Pages used in this frame or the last are kept.
         for _ in 0..self.pages.len() {
             self.hand = (self.hand + 1) % self.pages.len();
             let page = &self.pages[self.hand];
@@ -357,8 +357,8 @@ impl Forest {
         None
     }
 
-    /// Hears where heights have changed: what is known of squares there is made to hold them at once, and is read again by
-    /// [`Self::read_stale`].
+    /// Reports where heights have changed. Properties of squares there are extended at once to contain the new heights, and are read again
+    /// by [`Self::read_stale`].
     pub fn heights_changed(&mut self, changes: &[HeightChange]) {
         let Self {
             ellipsoid,
@@ -367,7 +367,7 @@ impl Forest {
             stale,
             ..
         } = self;
-        // A square that is touched lies in one that is: the others are skipped with all beneath.
+        // A touched square is inside a touched square; others are skipped with everything below them.
         let mut below: Vec<u32> = (0..BLOCK_COUNT).collect();
         while let Some(index) = below.pop() {
             let page = &mut pages[index as usize];
@@ -394,19 +394,19 @@ impl Forest {
         }
     }
 
-    /// Whether some pages were read before heights have changed.
+    /// Whether some pages were read before their heights changed.
     pub fn is_stale(&self) -> bool {
         self.stale > 0
     }
 
-    /// Reads pages again whose heights have changed, at most so many.
+    /// Reads pages again whose heights have changed, at most `most`.
     pub fn read_stale(&mut self, most: u32, ground: &dyn Elevation) {
         let mut left = most;
         for _ in 0..self.pages.len() {
             if left == 0 || self.stale == 0 {
                 return;
             }
-            // Goes on where it ended: pages that change again and again keep no other waiting.
+            // Continues where the last call ended, so that pages that change repeatedly do not delay others.
             self.reread = (self.reread + 1) % self.pages.len();
             if self.pages[self.reread].is_stale {
                 left -= 1;
@@ -420,7 +420,7 @@ impl Forest {
         let node = self.pages[index].node;
         let (own, mut page) = self.read(node, ground);
         let before = &mut self.pages[index];
-        // As the errors of squares whose own quarters have been read.
+        // Keep the errors of squares whose own quarters have been read.
         (page.below, page.pages_below) = (before.below, before.pages_below);
         (page.split, page.patch, page.asked) = (before.split, before.patch, before.asked);
         *before = page;
@@ -441,7 +441,7 @@ impl Forest {
         }
     }
 
-    /// Merges everything: each block is one leaf, and a patch. What is known of squares stays.
+    /// Merges everything: each block is one leaf and a patch. Properties of squares are kept.
     pub fn merge_all(&mut self) {
         for root in &mut self.roots {
             (root.is_split, root.is_patch) = (false, true);
@@ -463,7 +463,7 @@ impl Forest {
     }
 }
 
-/// Where a root is kept.
+/// Where a root is stored.
 pub fn root_slot(block: Node) -> Slot {
     Slot {
         page: NONE,

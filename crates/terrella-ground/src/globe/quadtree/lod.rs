@@ -1,4 +1,4 @@
-//! Level of detail (LOD) of the quadtree: how finely a view asks for a square of ground to be drawn.
+//! Level of detail (LOD) of the quadtree: how finely a view needs a square of ground.
 
 use super::page::SquareInfo;
 use crate::elevation::HeightRange;
@@ -6,44 +6,44 @@ use crate::globe::culling::{BoundVisibility, CullingContext, GroundBound, Normal
 use crate::globe::surface::GroundView;
 use terrella_frames::Ellipsoid;
 
-/// When a leaf is divided.
+/// Rule by which a leaf is divided.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum SplitRule {
-    /// Where it may be off by more pixels than the view allows: the paper's e_max·λ > d (its formula 1) with
-    /// λ = 1 / (pixel_rad · tolerance_px).
+    /// Where its error may exceed the pixels that the view allows: the paper's e_max·λ > d (its formula 1) with λ = 1 / (pixel_rad ·
+    /// tolerance_px).
     #[default]
     Tolerance,
-    /// The same with a λ of its own, whatever the view allows; the paper's table has λ = 300.
+    /// The same with a fixed λ, whatever the view allows; the paper's table has λ = 300.
     Paper {
-        /// λ: metres of distance for a metre of error.
+        /// λ: metres of distance per metre of error.
         lambda: f64,
     },
-    /// The paper's full form (its formula 2), k·l·L·λ·e_max / (2 tan(α/2)·d·ε) > 1. It is read so that all units cancel:
-    /// L / (2 tan(α/2)·d) is a pixel for each metre at d, so l·L / (2 tan(α/2)·d) is the side of the square in pixels, λ·e_max
-    /// its error in pixels, and ε the pixels that the view allows. Small squares may then be off by more.
+    /// The paper's full form (its formula 2), k·l·L·λ·e_max / (2 tan(α/2)·d·ε) > 1. It is interpreted so that all units cancel. L / (2
+    /// tan(α/2)·d) is a pixel for each metre at d, so l·L / (2 tan(α/2)·d) is the side of the square in pixels. λ·e_max is its error in
+    /// pixels, and ε the pixels that the view allows. Small squares may then have larger errors.
     Full {
-        /// k, of one pixel of the square's side.
+        /// k, per pixel of the square's side.
         k: f64,
     },
 }
 
-/// A leaf outside the picture may be off by so much more: the eye may turn to it.
+/// Factor on the ratio of a leaf outside the image. Its error may be larger, but not without limit: the eye may turn to it.
 const OUTSIDE: f64 = 0.1;
-/// No distance is taken for less, metres.
+/// Smallest distance used, metres.
 const MIN_DISTANCE_M: f64 = 1e-3;
 
-/// A view and what it asks for.
+/// A view and the detail that it needs.
 pub struct LodView {
     culling: CullingContext,
-    /// Ratio of the rule is error / distance times this; for the full form, times the side's pixels too.
+    /// A ratio is error / distance times this; for the full form, times the side's pixels too.
     factor: f64,
     full: Option<f64>,
-    /// Whether anything may be left out.
+    /// Whether anything may be culled.
     is_culled: bool,
 }
 
 impl LodView {
-    /// A view of ground of which nothing is drawn lower or higher than `drawn`; `None` where the view is not of numbers.
+    /// A view of ground whose terrain is drawn between the heights of `drawn`; `None` if the view is not finite.
     pub fn new(
         view: &GroundView,
         rule: SplitRule,
@@ -74,12 +74,12 @@ impl LodView {
         })
     }
 
-    /// From the eye to what is drawn of a square, metres; at least a millimetre.
+    /// Distance from the eye to the terrain drawn for a square, metres; at least a millimetre.
     pub fn distance_m(&self, info: &SquareInfo) -> f64 {
         self.culling.distance_m(&info.bound()).max(MIN_DISTANCE_M)
     }
 
-    /// How far a leaf is from being fine enough: it is to be divided above 1. `side_m` is the side of its square.
+    /// Ratio of a leaf's error to the allowed one: a leaf above 1 should be divided. `side_m` is the side of its square.
     pub fn split_ratio(&self, info: &SquareInfo, side_m: f64, visibility: BoundVisibility) -> f64 {
         seen_ratio(
             self.full_ratio(info, self.distance_m(info), side_m),
@@ -87,7 +87,7 @@ impl LodView {
         )
     }
 
-    /// The same of a leaf at a distance that is seen as a whole: never less than [`Self::split_ratio`].
+    /// The same for a leaf at a distance that is fully visible: never less than [`Self::split_ratio`].
     pub fn full_ratio(&self, info: &SquareInfo, distance_m: f64, side_m: f64) -> f64 {
         let mut ratio = f64::from(info.error_m) / distance_m * self.factor;
         if let Some(k) = self.full {
@@ -96,12 +96,12 @@ impl LodView {
         ratio
     }
 
-    /// How an error at a distance appears, pixels.
+    /// Size of an error at a distance, pixels.
     pub fn error_px(&self, error_m: f64, distance_m: f64) -> f64 {
         error_m / (distance_m * self.culling.pixel_rad)
     }
 
-    /// What is seen of a square.
+    /// Visibility of a square.
     pub fn visibility(&self, info: &SquareInfo) -> BoundVisibility {
         match self.is_culled {
             true => self.culling.visibility(&info.bound()),
@@ -109,10 +109,10 @@ impl LodView {
         }
     }
 
-    /// What is seen of a square within another of which `above` is seen: nothing, where nothing is seen of that.
+    /// Visibility of a square inside another with visibility `above`. It is not visible if the outer square is not.
     pub fn visibility_within(&self, above: BoundVisibility, info: &SquareInfo) -> BoundVisibility {
         match above {
-            // What lies in the frustum as a whole has no part outside.
+            // A square fully inside the frustum has no part outside.
             BoundVisibility::Inside if self.is_culled => {
                 match self.culling.is_behind_horizon(&info.bound()) {
                     true => BoundVisibility::BehindHorizon,
@@ -124,14 +124,14 @@ impl LodView {
         }
     }
 
-    /// Whether a patch is drawn: its ball may be seen, and one of its faces may face the eye.
+    /// Whether a patch is drawn: its ball may be visible, and one of its faces may face the eye.
     pub fn draws(&self, info: &SquareInfo, normals: &NormalCone) -> bool {
         let is_backfacing = self.is_culled && self.culling.is_backfacing(&info.bound(), normals);
         self.visibility(info).is_visible() && !is_backfacing
     }
 }
 
-/// The ratio of a leaf as far as it is seen.
+/// The ratio of a leaf, reduced by its visibility.
 pub fn seen_ratio(full_ratio: f64, visibility: BoundVisibility) -> f64 {
     match visibility {
         BoundVisibility::Inside | BoundVisibility::Intersecting => full_ratio,
@@ -145,7 +145,7 @@ impl SquareInfo {
         GroundBound {
             center_itrf_m: self.center_itrf_m,
             radius_m: f64::from(self.radius_m),
-            // It was rounded to the nearest.
+            // The height was rounded to nearest.
             high_m: f64::from(self.high_m.next_up()),
         }
     }

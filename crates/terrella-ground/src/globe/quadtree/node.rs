@@ -1,12 +1,12 @@
 //! Squares of a dyadic grid, their neighbours, and the ring of points that a leaf is drawn from.
 //!
-//! Rows count southwards. A tree says by [`Cut`] which of its squares are divided now; all that keeps edges whole follows
-//! from that alone, so that the tree over one grid and the forest over the Earth share it.
+//! Rows count southwards. A tree implements [`Cut`], which defines the squares that are currently divided. The rules that keep edges closed
+//! depend on that alone, so that the tree over one grid and the forest over the Earth share them.
 
-/// A square of a dyadic grid: level 0 are the roots, level n + 1 has twice the columns and rows of level n.
+/// A square of a dyadic grid: level 0 has the roots, level n + 1 has twice the columns and rows of level n.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Node {
-    /// How often a root was halved.
+    /// Number of halvings of the root.
     pub level: u8,
     /// Column, eastwards.
     pub x: u64,
@@ -24,7 +24,7 @@ impl Node {
         }
     }
 
-    /// All four, in Morton order.
+    /// All four children, in Morton order.
     pub fn children(self) -> [Self; 4] {
         [0, 1, 2, 3].map(|k| self.child(k))
     }
@@ -38,13 +38,13 @@ impl Node {
         })
     }
 
-    /// The child that holds a finer node, and its number.
+    /// The child that contains a finer node, and its index.
     pub fn child_towards(self, node: Self) -> (Self, u8) {
         let next = node.ancestor(self.level + 1);
         (next, (next.x & 1) as u8 | ((next.y & 1) as u8) << 1)
     }
 
-    /// The ancestor of a level, itself at its own.
+    /// The ancestor at a level; the node itself at its own level.
     pub fn ancestor(self, level: u8) -> Self {
         let up = self.level.saturating_sub(level);
         Self {
@@ -54,7 +54,7 @@ impl Node {
         }
     }
 
-    /// Its extent in points, with so many halvings to the finest point.
+    /// Extent of the node in points, with `depth` halvings to the finest point.
     pub fn square(self, depth: u8) -> Square {
         let shift = depth - self.level;
         Square {
@@ -65,7 +65,7 @@ impl Node {
     }
 }
 
-/// A place on the finest points of a grid.
+/// A position on the finest points of a grid.
 pub type Point = (u64, u64);
 
 /// A node's extent in points.
@@ -75,7 +75,7 @@ pub struct Square {
     pub x: u64,
     /// Its northern row.
     pub y: u64,
-    /// From there to the eastern column and to the southern row.
+    /// Distance to the eastern column and to the southern row.
     pub size: u64,
 }
 
@@ -100,7 +100,7 @@ pub enum Side {
 }
 
 impl Side {
-    /// All four, as the ring runs.
+    /// All four sides, in the order of the ring.
     pub const ALL: [Self; 4] = [Self::West, Self::South, Self::East, Self::North];
 
     /// The neighbour's two children that touch this side, in the order of the ring.
@@ -114,19 +114,19 @@ impl Side {
     }
 }
 
-/// How many roots there are, and whether the last column's eastern neighbour is the first.
+/// Number of roots, and whether the last column's eastern neighbour is the first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Domain {
     /// Roots from west to east.
     pub columns: u64,
     /// Roots from north to south.
     pub rows: u64,
-    /// The grid closes around the Earth, and all points of its first row are one, as are those of its last.
+    /// Whether the grid closes around the Earth. All points of its first row are then one, and so are those of its last.
     pub is_globe: bool,
 }
 
 impl Domain {
-    /// Whether two squares have a point in common, across the date line too; not whether they meet at a pole alone.
+    /// Whether two squares share a point, also across the date line; not whether they meet only at a pole.
     pub fn is_beside(&self, a: Node, b: Node) -> bool {
         let depth = a.level.max(b.level);
         let (a, b) = (a.square(depth), b.square(depth));
@@ -147,7 +147,7 @@ impl Domain {
                 || is_southernmost(a) && is_southernmost(b))
     }
 
-    /// Whether two squares have a point in common, across the date line and at the poles too.
+    /// Whether two squares share a point, also across the date line and at the poles.
     pub fn is_adjacent(&self, a: Node, b: Node) -> bool {
         self.is_beside(a, b) || self.shares_pole(a, b)
     }
@@ -166,7 +166,7 @@ impl Domain {
         (x < columns && y < rows).then_some(Node { x, y, ..node })
     }
 
-    /// The one name of a point: the eastern end is the western one, and a pole is one point.
+    /// The unique coordinates of a point: the eastern end equals the western one, and a pole is one point.
     pub fn point(&self, (x, y): Point, depth: u8) -> Point {
         if !self.is_globe {
             return (x, y);
@@ -178,37 +178,38 @@ impl Domain {
     }
 }
 
-/// Which squares of a tree are divided now. Where the tree keeps a square is a `Place`.
+/// The squares of a tree that are currently divided. A `Place` is where the tree stores a square.
 pub trait Cut {
-    /// What a square is found by at once.
+    /// Direct reference to a stored square.
     type Place: Copy;
 
     /// The roots.
     fn domain(&self) -> Domain;
 
-    /// Where a root is kept.
+    /// Where a root is stored.
     fn root(&self, node: Node) -> Self::Place;
 
-    /// The square kept there is divided.
+    /// Whether the square stored there is divided.
     fn is_split(&self, place: Self::Place) -> bool;
 
-    /// Where child `k` of a square is kept; `None` where nothing is known of its children.
+    /// Where child `k` of a square is stored; `None` if its children are not in memory.
     fn child(&self, node: Node, place: Self::Place, k: u8) -> Option<Self::Place>;
 }
 
-/// A square and where it is kept.
+/// A square and where it is stored.
 pub type Kept<P> = (Node, P);
 
-/// A square with those beside it, in the order of [`Side::ALL`]: of its own level, or a larger leaf; none where the grid ends.
+/// A square with its neighbours, in the order of [`Side::ALL`]. A neighbour is of the same level, or a larger leaf; there is none where the
+/// grid ends.
 #[derive(Clone, Copy, Debug)]
 pub struct Among<P> {
     /// The square.
     pub at: Kept<P>,
-    /// Those beside it.
+    /// Its neighbours.
     pub beside: [Option<Kept<P>>; 4],
 }
 
-/// The square, or the leaf that holds it.
+/// The square, or the leaf that contains it.
 fn find<C: Cut>(cut: &C, node: Node) -> Kept<C::Place> {
     let mut at = node.ancestor(0);
     let mut place = cut.root(at);
@@ -222,14 +223,14 @@ fn find<C: Cut>(cut: &C, node: Node) -> Kept<C::Place> {
     (at, place)
 }
 
-/// A square among its neighbours, searched from the roots (the paper's search for neighbours of another parent).
+/// A square with its neighbours, searched from the roots (the paper's search for neighbours of another parent).
 pub fn among<C: Cut>(cut: &C, at: Kept<C::Place>) -> Among<C::Place> {
     let domain = cut.domain();
     let beside = Side::ALL.map(|side| Some(find(cut, domain.neighbour(at.0, side)?)));
     Among { at, beside }
 }
 
-/// A child among its neighbours: two are its siblings, and two are found from those of its parent.
+/// A child with its neighbours: two are its siblings, and two are found from the neighbours of its parent.
 pub fn child_among<C: Cut>(cut: &C, parent: &Among<C::Place>, k: u8) -> Option<Among<C::Place>> {
     let (node, place) = parent.at;
     let child = (node.child(k), cut.child(node, place, k)?);
@@ -256,12 +257,12 @@ pub fn child_among<C: Cut>(cut: &C, parent: &Among<C::Place>, k: u8) -> Option<A
     Some(Among { at: child, beside })
 }
 
-/// The points that a leaf is drawn with, counter-clockwise from its north-western corner: its corners, and on each edge
-/// every point that finer leaves beyond have there. Neighbours are searched level by level (section 2.2.2 of the paper),
-/// but where the paper moves the finer side's points onto the coarser edge, the coarser side takes them in: both sides
-/// then have the same points with the heights of the data, and no T-junction is left. Any two levels may meet.
+/// The points that a leaf is drawn with, counter-clockwise from its north-western corner: its corners, and on each edge every point of
+/// finer leaves beyond it. Neighbours are searched level by level (section 2.2.2 of the paper). The paper moves the finer side's points
+/// onto the coarser edge. Here the coarser side inserts them instead. Both sides then have the same points with the heights of the data,
+/// and no T-junction is left. Any two levels may meet.
 ///
-/// Points are named by [`Domain::point`]; neighbours in the ring that have one name (at a pole) are both given.
+/// Points are normalised by [`Domain::point`]. Adjacent points of the ring that are the same (at a pole) are both returned.
 pub fn ring<C: Cut>(cut: &C, leaf: &Among<C::Place>, depth: u8, out: &mut Vec<Point>) {
     out.clear();
     let domain = cut.domain();
@@ -277,7 +278,7 @@ pub fn ring<C: Cut>(cut: &C, leaf: &Among<C::Place>, depth: u8, out: &mut Vec<Po
     }
 }
 
-/// Appends the points that divided squares beyond a side have on it, ends left out.
+/// Appends the points that divided squares beyond a side have on it, without the ends.
 fn along<C: Cut>(
     cut: &C,
     domain: &Domain,

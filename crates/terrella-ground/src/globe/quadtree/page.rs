@@ -1,4 +1,4 @@
-//! A page of the forest: what the quarters of a square are like.
+//! A page of the forest: properties of the quarters of a square.
 
 use super::bound::{leaf_error, leaf_range_error};
 use super::node::{Node, Point, Square};
@@ -7,45 +7,45 @@ use glam::DVec3;
 use std::f64::consts::PI;
 use terrella_frames::Ellipsoid;
 
-/// Halvings from a block to the finest point that can be named: 2 µm on the ground.
+/// Number of halvings from a block to the finest possible point: 2 µm on the ground.
 pub const DEPTH: u8 = 40;
 /// Quarters in a row of a page.
 const SIDE: usize = 2;
-/// Steps of the lattice that a page is read on: four to each quarter.
+/// Steps of the lattice that a page is read on: four per quarter.
 const STEPS: usize = 4 * SIDE;
 /// Posts of a row of that lattice.
 const POSTS: usize = STEPS + 1;
-/// Ranges of the data in a row of a page, one to two steps.
+/// Ranges of the data in a row of a page, one per two steps.
 const RANGES: usize = STEPS / 2;
-/// Squares of a page. Reading several levels at once would take fewer posts for each, but most would be read for nothing: where
-/// a square is just not fine enough, its quarters mostly are.
+/// Number of squares of a page. Reading several levels at once would need fewer posts for each, but most would be read for nothing. If a
+/// square is almost fine enough, its quarters mostly are.
 pub const PAGE_NODES: usize = 4;
 
-/// A range of the data is narrowed where it is more than so many sides of the square.
+/// A range of the data is narrowed if it exceeds this many sides of the square.
 const MOST_STEEP: f64 = 8.0;
 
-/// Place of a node among the quarters of its parent.
+/// Index of a node among the quarters of its parent.
 pub fn quarter(node: Node) -> u32 {
     ((node.y & 1) << 1 | node.x & 1) as u32
 }
 
-/// What is known of a square of ground.
+/// Properties of a square of ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SquareInfo {
-    /// Middle of a ball about the ground and about all that can be drawn of it, ITRF metres.
+    /// Centre of a ball about the ground and all terrain that can be drawn for it, ITRF metres.
     pub center_itrf_m: DVec3,
     /// Radius of that ball.
     pub radius_m: f32,
-    /// Most that a point drawn of it, undivided, lies from the point of the data that it stands for, metres.
+    /// Largest distance of a drawn point of the undivided square from its point of the data, metres.
     pub error_m: f32,
-    /// Lowest of its heights, metres.
+    /// Lowest height in the square, metres.
     pub low_m: f32,
     /// Highest height in the square, metres.
     pub high_m: f32,
 }
 
 impl SquareInfo {
-    /// Makes it hold ground of other heights than it was read from. Answers whether the ball has grown.
+    /// Extends the square to ground of other heights than it was read from. Returns whether the ball has grown.
     pub fn widen(&mut self, node: Node, ellipsoid: &Ellipsoid, range: &HeightRange) -> bool {
         let (low_m, high_m) = (
             f64::from(self.low_m).min(range.low_m),
@@ -53,7 +53,7 @@ impl SquareInfo {
         );
         let is_wider = low_m < f64::from(self.low_m) || high_m > f64::from(self.high_m);
         if is_wider {
-            // Rounded outwards: it is not looked at again until it is read again.
+            // Rounded outwards: it is not evaluated again until it is read again.
             self.low_m = (low_m as f32).next_down();
             self.high_m = (high_m as f32).next_up();
             let shape = ball(node, ellipsoid, self.low_m.into(), self.high_m.into());
@@ -64,13 +64,13 @@ impl SquareInfo {
     }
 }
 
-/// Geodetic latitude and longitude of a point, radians. The poles and the date line are met exactly.
+/// Geodetic latitude and longitude of a point, radians. The poles and the date line are exact.
 pub fn lat_lon_rad((x, y): Point) -> (f64, f64) {
     let point_rad = PI / 8.0 / (1_u64 << DEPTH) as f64;
     (0.5 * PI - y as f64 * point_rad, x as f64 * point_rad - PI)
 }
 
-/// Side of a square of a level, radians of latitude and of longitude.
+/// Side of a square at a level, radians of latitude and of longitude.
 pub fn side_rad(level: u8) -> f64 {
     PI / 8.0 / (1_u64 << level) as f64
 }
@@ -86,28 +86,28 @@ pub fn bounds(square: Square) -> Bounds {
     }
 }
 
-/// The largest single-precision number's worth of rounding is added, so that a bound stays one.
+/// Converts to single precision with a margin for rounding, so that a bound stays a bound.
 fn rounded_up(value: f64) -> f32 {
     (value * (1.0 + 1e-6)).min(f64::from(f32::MAX)) as f32
 }
 
-/// Heights of a page's posts and what is made of them; kept, so that making a page allocates nothing.
+/// Heights of a page's posts and values derived from them; kept, so that reading a page allocates nothing.
 pub struct PageReader {
     heights_m: Vec<f64>,
-    /// By smallest square: what lies between the posts may differ so much from the finest leaves.
+    /// By smallest square, the largest difference between the data between the posts and the finest leaves.
     unseen_m: Vec<f64>,
-    /// By two steps each way: the range of the data.
+    /// Range of the data, one for two steps each way.
     ranges_m: Vec<HeightRange>,
-    /// The posts are so close that the data are smooth between them: `unseen_m` holds, else `ranges_m`.
+    /// Whether the posts are close enough for the data to be smooth between them. If so, `unseen_m` is valid, else `ranges_m`.
     is_smooth: bool,
-    /// What is not seen is bounded by the range of the data alone.
+    /// Whether data between the posts are bounded by their range alone.
     is_certain: bool,
     /// Places read since this was last set to 0.
     pub samples_read: u64,
 }
 
 impl PageReader {
-    /// Ready.
+    /// A reader that is ready to use.
     pub fn new(is_certain: bool) -> Self {
         Self {
             is_certain,
@@ -125,7 +125,7 @@ impl PageReader {
         }
     }
 
-    /// Reads the squares below a node. Answers what is then known of the node itself, and of them.
+    /// Reads the squares below a node. Returns the properties of the node itself, and of those squares.
     pub fn read(
         &mut self,
         node: Node,
@@ -185,9 +185,9 @@ impl PageReader {
         (own, infos)
     }
 
-    /// The range of a smallest square. That of the data is of whole cells between samples: in a square that is much smaller than
-    /// the cell it lies in, of a steep one, the ball about it would hold the eye, and it would be divided without end. Where
-    /// the data are smooth between the posts, these then say the range.
+    /// The range of a smallest square. The range of the data covers whole cells between samples. For a square much smaller than a steep
+    /// cell, the ball about it would contain the eye, and the square would be divided without end. Where the data are smooth between the
+    /// posts, the posts therefore determine the range.
     fn narrowed(&self, node: Node, (x, y): (usize, usize), range: &HeightRange) -> HeightRange {
         let side_m = side_rad(node.level) * Ellipsoid::WGS84.equatorial_radius_m;
         if !self.is_smooth || range.high_m - range.low_m <= MOST_STEEP * side_m {
@@ -212,9 +212,9 @@ impl PageReader {
         self.heights_m[j * POSTS + i]
     }
 
-    /// Bounds what lies between the posts. Where two posts are no further apart than half the data, these are taken for
-    /// bilinear between their own posts: they then bend at most once in two steps along each axis, by no more than half of
-    /// what the second differences on both sides show. Elsewhere the range of the data decides.
+    /// Bounds the data between the posts. If the distance of two posts is at most half that of the data, the data are treated as bilinear
+    /// between their own posts. They then bend at most once in two steps along each axis, by at most half of the second differences on both
+    /// sides. Elsewhere the range of the data is used.
     fn find_unseen(&mut self, square: Square, step: u64, finest_rad: f64, ground: &dyn Elevation) {
         let step_rad = step as f64 * side_rad(DEPTH);
         self.is_smooth = step_rad <= 0.5 * finest_rad;
@@ -240,7 +240,7 @@ impl PageReader {
         }
     }
 
-    /// Most that smooth data differ from triangles between the posts of a smallest square.
+    /// Upper bound of the difference between smooth data and triangles between the posts of a smallest square.
     fn between_posts(&self, i0: usize, j0: usize) -> f64 {
         let h = |i: usize, j: usize| self.height(i0 + i, j0 + j);
         let bend = |a: f64, b: f64, c: f64| (a - 2.0 * b + c).abs();
@@ -257,14 +257,14 @@ impl PageReader {
                 twist = twist.max(all.abs());
             }
         }
-        // The end of a row may hide a bend that shows only beyond it: twice the half.
+        // A bend at the end of a row may appear only beyond it, so the half counts twice.
         along_x + along_y + 0.25 * twist
     }
 
-    /// Most that any height differs from a leaf over `steps` × `steps` steps. Where the data are finer than the posts and
-    /// certainty is not asked for: what the posts show, half of how the ground bends between them, and all by which the
-    /// data reach beyond the posts around. A ledge that is narrower than a post's step and hides within the rise of a
-    /// slope is then seen only from nearer.
+    /// Upper bound of the difference of any height from a leaf over `steps` × `steps` steps. If the data are finer than the posts and
+    /// certainty is not requested, it has three parts. They are the difference at the posts, half of the ground's bend between them, and
+    /// the excess of the data beyond the surrounding posts. A ledge that is narrower than a post's step and within the rise of a slope is
+    /// then visible only from nearer.
     fn rise_m(&self, x: usize, y: usize, steps: usize) -> f64 {
         let leaf = leaf_error(|i, j| self.height(i, j), x, y, steps);
         if self.is_smooth {
@@ -298,11 +298,11 @@ impl PageReader {
                 beyond = beyond.max(high - most).max(least - low);
             }
         }
-        // Finer ground is taken for half as rough at half the step.
+        // Finer ground is assumed to be half as rough at half the step.
         leaf.bound + 0.5 * bend + beyond
     }
 
-    /// What is known of a square of `steps` × `steps` steps from a post. `below_m` is the error of its quarters.
+    /// Properties of a square of `steps` × `steps` steps from a post. `below_m` is the error of its quarters.
     fn info(
         &self,
         node: Node,
@@ -314,7 +314,7 @@ impl PageReader {
     ) -> SquareInfo {
         let HeightRange { low_m, high_m } = *range;
         let shape = ball(node, ellipsoid, low_m, high_m);
-        // Nothing differs from the data by more than the data differ.
+        // The difference from the data is at most the range of the data.
         let rise_m = self.rise_m(x, y, steps).min((high_m - low_m).max(0.0));
         SquareInfo {
             center_itrf_m: shape.center_itrf_m,
@@ -328,19 +328,18 @@ impl PageReader {
 
 /// The ball about a square between two heights.
 pub struct Ball {
-    /// Its middle, ITRF metres.
+    /// Centre of the ball, ITRF metres.
     pub center_itrf_m: DVec3,
     pub radius_m: f64,
-    /// Most that triangles between points of the square depart from the curved ground for its curvature alone.
+    /// Upper bound of the departure of triangles between points of the square from the curved ground, from its curvature alone.
     pub bend_m: f64,
 }
 
-/// The ball about a node's ground, heights between `low_m` and `high_m`.
+/// The ball about a node's ground, for heights between `low_m` and `high_m`.
 ///
-/// With S(φ, λ) the ground and b the weights of a triangle's corners, the departure of the triangle from S is at most
-/// ½ Σ bᵢ |D²S[vᵢ − x]|, where |D²S[(p, q)]| ≤ R(p² + 2|pq sin φ| + q² cos φ) and Σ bᵢ p² is at most a quarter of the square
-/// of the triangle's extent: half the side one way, the side the other way. Heights on normals that spread add half
-/// their range times the spread.
+/// S(φ, λ) is the ground and b are the weights of a triangle's corners. The departure of the triangle from S is at most
+/// ½ Σ bᵢ |D²S[vᵢ − x]|. There |D²S[(p, q)]| ≤ R(p² + 2|pq sin φ| + q² cos φ). Σ bᵢ p² is at most a quarter of the square of the
+/// triangle's extent: half the side one way, the side the other way. Heights on diverging normals add half their range times the divergence.
 pub fn ball(node: Node, ellipsoid: &Ellipsoid, low_m: f64, high_m: f64) -> Ball {
     let square = node.square(DEPTH);
     let at = |x: u64, y: u64| {
@@ -376,7 +375,7 @@ pub fn ball(node: Node, ellipsoid: &Ellipsoid, low_m: f64, high_m: f64) -> Ball 
         .flat_map(|normal| [point(*normal, low_m), point(*normal, high_m)])
         .map(|corner| corner.distance(center_itrf_m))
         .fold(0.0, f64::max);
-    // The middle stands between the corners in the fan: half the heights' range away from its own ends.
+    // The centre is between the corners in the fan: half the range of the heights from its own ends.
     let radius_m = reach.max(0.5 * (high_m - low_m)) + bend_m + 0.01;
     Ball {
         center_itrf_m,

@@ -1,4 +1,4 @@
-//! Which squares are patches: neither too many nor too large.
+//! Partition of squares into patches: neither too many nor too large.
 
 use super::forest::{BLOCKS, Forest, Slot};
 use super::lod::LodView;
@@ -8,14 +8,14 @@ use super::surface::{MOST_SPARE, Quadtree};
 
 /// A patch with more leaves is divided into four.
 const MAX_PATCH_LEAVES: u32 = 256;
-/// Four patches with fewer become one.
+/// Four patches with fewer leaves become one.
 const MIN_PATCH_LEAVES: u32 = 80;
-/// A patch is divided where the ball about it is larger than so many distances: single precision then holds its vertices
-/// to a thousandth of a pixel.
+/// A patch is divided if its ball is larger than this many distances. Single precision then represents its vertices to a thousandth of a
+/// pixel.
 const MAX_BALLS: f64 = 6.0;
 
 impl Quadtree {
-    /// Divides patches that are too large, and joins those that are small.
+    /// Divides patches that are too large, and joins small ones.
     pub(super) fn repartition(&mut self, forest: &mut Forest, lod: &LodView) {
         let mut index = 0;
         while index < self.patches.len() {
@@ -28,11 +28,11 @@ impl Quadtree {
             let ball_m = f64::from(forest.info(slot).radius_m);
             if forest.is_split(slot) && node.level < MAX_PATCH_LEVEL {
                 let is_large = leaves > MAX_PATCH_LEAVES || ball_m > MAX_BALLS * distance_m;
-                // May take half as much again as the work of a frame, so that it is never put off forever.
+                // It may exceed the work of a frame by half, so that it is never postponed forever.
                 if is_large && self.work_done / 3 < self.options.work / 2 {
                     self.changes += 1;
                     self.divide(forest, lod, node, slot);
-                    // The last patch now has this place.
+                    // The last patch is now at this index.
                     index -= 1;
                 }
                 if leaves > MIN_PATCH_LEAVES {
@@ -58,7 +58,7 @@ impl Quadtree {
         self.steps_changed(forest, node, old_step_m);
     }
 
-    /// Makes one patch of four, if there are four beside each other and they are small.
+    /// Makes one patch of four, if four small ones are adjacent.
     fn join(&mut self, forest: &mut Forest, lod: &LodView, first: Node) {
         let Some(parent) = first.parent() else {
             return;
@@ -91,13 +91,13 @@ impl Quadtree {
         self.steps_changed(forest, parent, step_m);
     }
 
-    /// Patches that are adjacent to a node and stand on finer steps than there are or were must be built again.
+    /// Marks patches to be built again that are adjacent to a node and whose steps are finer than the current or previous ones.
     pub(super) fn steps_changed(&mut self, forest: &Forest, node: Node, step_m: f64) {
         let mut beside = std::mem::take(&mut self.order);
         beside.clear();
         forest.patches_beside(node, &mut |patch| beside.extend(self.by_node.get(&patch)));
-        // Hundreds of patches may end at a pole. Their one point there stands on the coarsest steps of all of them: where those
-        // are another patch's, it stays where it is.
+        // Hundreds of patches may end at a pole. Their common point there uses the coarsest step of all of them: if that is another
+        // patch's, the point stays.
         let is_pole_kept = beside.iter().any(|index| {
             let built = &self.patches[*index as usize];
             built.node != node && built.step_m >= step_m && BLOCKS.shares_pole(built.node, node)
@@ -114,7 +114,7 @@ impl Quadtree {
     }
 
     fn add(&mut self, forest: &Forest, lod: &LodView, node: Node, slot: Slot) -> usize {
-        // Above all that any patch of this node had before.
+        // Above all revisions that any patch of this node had before.
         self.revision += 2;
         let mut built = match self.spare.pop() {
             Some(mut built) => {
@@ -133,7 +133,7 @@ impl Quadtree {
         index
     }
 
-    /// Takes a patch away. Answers its steps.
+    /// Removes a patch. Returns its step.
     fn remove(&mut self, node: Node) -> f64 {
         let Some(index) = self.by_node.remove(&node) else {
             return 0.0;

@@ -1,4 +1,4 @@
-//! Patches: parts of the forest with an origin of their own, and how they are built.
+//! Patches: parts of the forest with their own origin, and how they are built.
 
 use super::forest::{BLOCKS, Forest, Slot};
 use super::node::{Among, Cut, Node, Point, Square, among, child_among, ring};
@@ -14,12 +14,12 @@ use std::hash::{BuildHasherDefault, Hasher};
 use std::sync::Arc;
 use terrella_frames::Geodetic;
 
-/// Finest level of a patch, 15 cm: below it a patch only has more leaves.
+/// Finest level of a patch, 15 cm: beyond it a patch only gets more leaves.
 pub const MAX_PATCH_LEVEL: u8 = 24;
 /// Steps of all origins, metres: a multiple of the steps of all vertices.
 const ORIGIN_STEP_M: f64 = 0.25;
 
-/// Mixes the two numbers of a point.
+/// Hashes the two coordinates of a point.
 #[derive(Default)]
 pub struct PointHasher(u64);
 
@@ -35,7 +35,7 @@ impl Hasher for PointHasher {
     }
 
     fn write_u64(&mut self, value: u64) {
-        // Points have many zeros at the end, and tables look at both ends of the answer.
+        // Points end in many zero bits, and tables use both ends of the hash.
         let mixed = (self.0.rotate_left(29) ^ value).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         self.0 = mixed ^ mixed >> 32;
     }
@@ -43,36 +43,36 @@ impl Hasher for PointHasher {
 
 type Places = HashMap<Point, u32, BuildHasherDefault<PointHasher>>;
 
-/// A patch and what is needed to build it again.
+/// A patch and the data needed to build it again.
 pub struct BuiltPatch {
     /// The node that it covers.
     pub node: Node,
-    /// The patch that is handed to be drawn.
+    /// The patch that is passed on for drawing.
     pub patch: Patch,
-    /// Its vertices stand on multiples of this, metres, so that they are exact in single precision.
+    /// Vertices are at multiples of this, metres, so that they are exact in single precision.
     pub step_m: f64,
-    /// Leaves at the last look.
+    /// Leaves at the last evaluation.
     pub leaves: u32,
-    /// It must be built again.
+    /// Whether it must be built again.
     pub is_dirty: bool,
-    /// It is drawn in this view.
+    /// Whether it is drawn in this view.
     pub is_drawn: bool,
-    /// From the eye to the ball about it, metres.
+    /// Distance from the eye to its ball, metres.
     pub distance_m: f64,
-    /// Largest ratio of a leaf that should be divided; 0 without one.
+    /// Largest ratio of a leaf that should be divided; 0 if there is none.
     pub urgency: f64,
-    /// Largest error of a leaf that is seen, metres and pixels.
+    /// Largest error of a visible leaf, metres and pixels.
     pub error: (f64, f64),
-    /// It has leaves that could be merged.
+    /// Whether it has leaves that could be merged.
     pub has_merges: bool,
-    /// The normals of all its faces.
+    /// Cone of the normals of all its faces.
     pub normals: NormalCone,
     /// The patches that touched it at the last build.
     beside: Vec<(Node, f64)>,
     has_new_steps: bool,
-    /// By vertex: its height has changed since it was computed. Empty where none has.
+    /// By vertex, whether its height has changed since it was computed. Empty if none has.
     stale: Vec<bool>,
-    /// How many of those there are, and whether some lie on the edge.
+    /// Number of stale vertices, and whether some are on the edge.
     stale_vertices: u32,
     has_stale_edge: bool,
     places: Places,
@@ -87,7 +87,7 @@ pub struct BuiltPatch {
 pub struct Scratch {
     ring: Vec<Point>,
     stack: Vec<Among<Slot>>,
-    /// The patches that touch the one that is built, itself among them, and their steps.
+    /// The patches that touch the one being built, including itself, and their steps.
     pub beside: Vec<(Node, f64)>,
     triangles: Vec<u32>,
     loop_: Vec<u32>,
@@ -97,21 +97,21 @@ pub struct Scratch {
     pub new_vertices: u64,
 }
 
-/// Steps on which the vertices within a ball stand: 2²³ of them or more on either side of an origin near its middle.
+/// Step between positions of vertices within a ball: an origin near its middle has 2²³ steps or more on either side.
 pub fn step_m(radius_m: f32) -> f64 {
-    // The origin is rounded by up to √3/8 m; single precision holds whole numbers to 2²⁴.
+    // The origin is rounded by up to √3/8 m; single precision represents whole numbers exactly up to 2²⁴.
     let reach = f64::from(radius_m) + 0.25;
     let exponent = reach.log2().ceil() - 24.0;
     exponent.exp2().min(ORIGIN_STEP_M)
 }
 
-/// What a patch is known by.
+/// Key of a node's patch.
 fn key(node: Node) -> u64 {
     u64::from(node.level) << 58 | node.x << 29 | node.y
 }
 
 impl BuiltPatch {
-    /// A patch of a node, not built yet. `revision` is above all that a patch of this node ever had.
+    /// A patch of a node, not built yet. `revision` must be above all earlier ones of this node's patches.
     pub fn new(node: Node, slot: Slot, forest: &Forest, revision: u64) -> Self {
         let info = forest.info(slot);
         let block = node.ancestor(0);
@@ -151,7 +151,7 @@ impl BuiltPatch {
         }
     }
 
-    /// Becomes a patch of another node, and keeps its memory.
+    /// Becomes the patch of another node, and reuses its memory.
     pub fn reset(&mut self, node: Node, slot: Slot, forest: &Forest, revision: u64) {
         let fresh = Self::new(node, slot, forest, revision);
         let old = std::mem::replace(self, fresh);
@@ -186,13 +186,13 @@ impl BuiltPatch {
         places + vertices + 4 * (numbers + triangles) + size_of::<Self>()
     }
 
-    /// The names of its vertices, each once.
+    /// The points of its vertices, each once.
     #[cfg(test)]
     pub fn points(&self) -> impl Iterator<Item = Point> {
         self.places.keys().copied()
     }
 
-    /// Builds vertices and triangles for the leaves of now. Answers how many leaves there are.
+    /// Builds vertices and triangles for the current leaves. Returns the number of leaves.
     pub fn build(
         &mut self,
         forest: &Forest,
@@ -230,7 +230,7 @@ impl BuiltPatch {
             }
             for (i, a) in scratch.loop_.iter().enumerate() {
                 let b = scratch.loop_[(i + 1) % scratch.loop_.len()];
-                // The two corners at a pole are one.
+                // The two corners at a pole are the same point.
                 if *a != b {
                     scratch.triangles.extend([center, *a, b]);
                 }
@@ -244,7 +244,7 @@ impl BuiltPatch {
         leaves
     }
 
-    /// The vertex at a point: kept from the build before, or computed.
+    /// The vertex at a point: kept from the last build, or computed.
     fn place(
         &mut self,
         point: Point,
@@ -293,7 +293,7 @@ impl BuiltPatch {
 
     fn vertex(&self, point: Point, forest: &Forest, ground: &dyn Elevation) -> GroundVertex {
         let (lat, lon) = lat_lon_rad(point);
-        // Rounded first, so that every patch computes the same place from it.
+        // Rounded first, so that every patch computes the same position from it.
         let height_m = ground.height_m(lat, lon, 0.0) as f32;
         let slope = ground.slope(forest.ellipsoid(), lat, lon, self.slope_rad());
         GroundVertex {
@@ -303,12 +303,12 @@ impl BuiltPatch {
         }
     }
 
-    /// How far to each side slopes are taken, radians, unless the data are coarser.
+    /// Half-width over which slopes are computed, radians, unless the data are coarser.
     fn slope_rad(&self) -> f64 {
         side_rad(self.node.level) / 64.0
     }
 
-    /// Marks the vertices whose heights or slopes may have changed. Answers whether there are any.
+    /// Marks the vertices whose heights or slopes may have changed. Returns whether there are any.
     pub fn heights_changed(&mut self, changes: &[HeightChange], ground: &dyn Elevation) -> bool {
         let bounds = bounds(self.node.square(DEPTH));
         let beyond_rad = self.slope_rad().max(COARSEST_STEP_RAD);
@@ -321,7 +321,7 @@ impl BuiltPatch {
         let mut has_any = false;
         for (point, place) in &self.places {
             let (lat, lon) = lat_lon_rad(*point);
-            // Asked for only where a change is near and does not hold the place.
+            // Queried only if a change is near and does not contain the place.
             let mut reach_rad = None;
             let mut touches = |change: &HeightChange| {
                 change.bounds.contains(lat, lon) || {
@@ -342,7 +342,7 @@ impl BuiltPatch {
         has_any
     }
 
-    /// Whether vertices are left that have other heights now.
+    /// Whether stale vertices are left.
     pub fn is_stale(&self) -> bool {
         self.stale_vertices > 0
     }
@@ -352,8 +352,8 @@ impl BuiltPatch {
         (self.stale_vertices, self.has_stale_edge) = (0, false);
     }
 
-    /// Computes stale vertices again, at most so many of those inside; those on the edge all, since other patches have them too.
-    /// Answers how many.
+    /// Computes stale vertices again. At most `most` of those inside are computed. Those on the edge are all computed, since other patches
+    /// share them. Returns the number of computed vertices.
     pub fn renew(
         &mut self,
         most: u32,
@@ -397,7 +397,7 @@ impl BuiltPatch {
         scratch.renewed = renewed;
         if !scratch.changed.is_empty() {
             self.tell_changed(scratch);
-            // Of what goes on changing all faces may be seen.
+            // While the patch is still changing, any face may be visible.
             self.normals = NormalCone::ALL;
             self.patch.revision += 1;
         }
@@ -407,8 +407,8 @@ impl BuiltPatch {
         count
     }
 
-    /// A point's place from the origin, metres, on the coarsest steps of all patches that have it: a multiple of this
-    /// patch's own that single precision holds exactly, so that origin + place is the same in all of them.
+    /// Position of a point relative to the origin, metres, rounded to the coarsest step of all patches that share the point. It is a
+    /// multiple of this patch's step that single precision represents exactly. Origin plus position is therefore the same in all of them.
     fn place_from_origin(&self, point: Point, height_m: f32, forest: &Forest) -> DVec3 {
         let (lat_rad, lon_rad) = lat_lon_rad(point);
         let itrf_m = forest.ellipsoid().itrf_from_geodetic(Geodetic {
@@ -424,7 +424,7 @@ impl BuiltPatch {
         (itrf_m / step).round() * step - self.patch.origin_itrf_m
     }
 
-    /// The coarsest steps of the patches that meet in a point on the edge.
+    /// Coarsest step of the patches that meet in a point on the edge.
     fn coarsest_step_m(&self, (x, y): Point) -> f64 {
         let (columns, rows) = (BLOCKS.columns << DEPTH, BLOCKS.rows << DEPTH);
         let has = |node: Node| {
@@ -458,12 +458,12 @@ impl BuiltPatch {
         });
     }
 
-    /// Puts the triangles and the list of changes into the patch.
+    /// Stores the triangles and the list of changes in the patch.
     fn hand_over(&mut self, scratch: &mut Scratch) {
         let is_first = self.build == 1;
         let is_new = self.patch.indices.triangles != scratch.triangles;
         if is_new {
-            // Never in place: who keeps the old list knows it by its address.
+            // Never in place: holders of the old list identify it by its address.
             self.patch.indices = Arc::new(TriangleList {
                 triangles: scratch.triangles.clone(),
             });
@@ -477,7 +477,7 @@ impl BuiltPatch {
         }
     }
 
-    /// Puts the list of changes into the patch.
+    /// Stores the list of changes in the patch.
     fn tell_changed(&mut self, scratch: &mut Scratch) {
         self.patch.changed.clear();
         scratch.changed.sort_unstable();
@@ -490,7 +490,7 @@ impl BuiltPatch {
     }
 }
 
-/// Whether a point lies on the edge of a patch. Points are named as [`super::node::Domain::point`] names them.
+/// Whether a point is on the edge of a patch. Points are normalised by [`super::node::Domain::point`].
 fn is_on_edge(node: Node, (x, y): Point) -> bool {
     let Square { x: x0, y: y0, size } = node.square(DEPTH);
     let all = BLOCKS.columns << DEPTH;
@@ -498,7 +498,7 @@ fn is_on_edge(node: Node, (x, y): Point) -> bool {
     is_pole || x == x0 || x == (x0 + size) % all || y == y0 || y == y0 + size
 }
 
-/// The normals of all faces of a patch.
+/// Cone of the normals of all faces of a patch.
 fn normal_cone(patch: &Patch) -> NormalCone {
     let at = |place: u32| patch.vertices[place as usize].from_origin_m.as_dvec3();
     let normals = || {

@@ -12,31 +12,31 @@ use std::collections::HashMap;
 use std::hash::BuildHasherDefault;
 use terrella_frames::Ellipsoid;
 
-/// What a [`Quadtree`] may take, and by which rule it divides.
+/// Budgets of a [`Quadtree`], and its split rule.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuadtreeOptions {
-    /// Figure of the Earth that heights refer to.
+    /// Figure of the Earth that heights are measured from.
     pub ellipsoid: Ellipsoid,
-    /// When a leaf is divided.
+    /// Rule by which a leaf is divided.
     pub split_rule: SplitRule,
-    /// Most leaves at once, drawn or not: about five triangles and up to 1 kB each. Where the tolerance asks for more, it is
-    /// eased, and the error that is reported says so. At least 512.
+    /// Largest number of leaves at once, drawn or not: about five triangles and up to 1 kB each. If the tolerance needs more, it is eased,
+    /// and the reported error includes that. At least 512.
     pub max_leaves: u32,
-    /// Most pages: the quarters of a square each, 300 bytes. At least 256.
+    /// Largest number of pages: the quarters of a square each, 300 bytes. At least 256.
     pub max_pages: u32,
-    /// Finest level: 0 are the blocks of 22.5°, 24 is 15 cm. At most 32.
+    /// Finest level: 0 is the blocks of 22.5°, 24 is 15 cm. At most 32.
     pub max_level: u8,
-    /// Work in a frame: a leaf built again counts as 1, a new vertex as 4, a page read as `PAGE_WORK`.
+    /// Work in a frame: a rebuilt leaf counts as 1, a new vertex as 4, a page read as `PAGE_WORK`.
     pub work: u32,
-    /// Leave out patches that lie outside the picture, beyond the horizon, or face away with every face.
+    /// Whether to cull patches that are outside the image, beyond the horizon, or face away with every face.
     pub is_culled: bool,
-    /// Bound what the data do between the posts that were read by their range alone, where they are finer than the posts.
-    /// Costs several times the leaves. Without it, the ground is taken to be half as rough at half the step, and to
-    /// reach no further than its range: enough for terrain and for spikes, but a narrow ledge on a slope may be seen late.
+    /// Whether to bound the data between the posts by their range alone, if the data are finer than the posts. This costs several times the
+    /// leaves. Without it, the ground is assumed to be half as rough at half the step, and not to exceed its range. That is enough for
+    /// terrain and for spikes, but a narrow ledge on a slope may appear late.
     pub is_certain: bool,
 }
 
-/// What reading a page counts as in [`QuadtreeOptions::work`].
+/// Cost of reading a page in [`QuadtreeOptions::work`].
 pub const PAGE_WORK: u32 = 50;
 
 impl Default for QuadtreeOptions {
@@ -54,33 +54,33 @@ impl Default for QuadtreeOptions {
     }
 }
 
-/// A leaf is merged again only once it is this much finer than it must be, so that an eye that hovers does not toggle.
+/// A leaf is merged again only once its ratio is below the threshold by this factor, so that a hovering eye does not toggle.
 const HYSTERESIS: f64 = 0.7;
-/// The same where there are as many leaves as there may be: one step of the table of ratios. What is kept counts among them, so
-/// that coarse leaves never wait for fine ones to be merged.
+/// The same at the largest number of leaves: one step of the table of ratios. Kept leaves count in the table, so that coarse leaves never
+/// wait for fine ones to be merged.
 const FULL_HYSTERESIS: f64 = 0.917;
-/// Most patches whose memory is kept for others.
+/// Largest number of patches whose memory is kept for reuse.
 pub(super) const MOST_SPARE: usize = 64;
 /// Work of a division: eight new points.
 const SPLIT_WORK: u32 = 32;
-/// Steps of the table of ratios, for each doubling.
+/// Steps of the table of ratios per doubling.
 const BINS_PER_DOUBLING: f64 = 8.0;
 const BINS: usize = 256;
 
-/// Ground as a forest of unfull quadtrees.
+/// Terrain as a forest of unfull quadtrees.
 pub struct Quadtree {
     pub(super) options: QuadtreeOptions,
     pub(super) forest: Option<Forest>,
     pub(super) patches: Vec<BuiltPatch>,
-    /// Patches that are no more; their memory serves the next.
+    /// Removed patches whose memory the next ones reuse.
     pub(super) spare: Vec<BuiltPatch>,
     pub(super) by_node: HashMap<Node, u32, BuildHasherDefault<PointHasher>>,
     pub(super) leaves: u32,
-    /// Ratios above this are divided: 1, or more where there would be too many leaves.
+    /// Leaves with ratios above this are divided: 1, or more if there would be too many leaves.
     pub(super) error_threshold: f64,
-    /// Leaves are merged below this part of it.
+    /// Leaves are merged below this fraction of the threshold.
     pub(super) hysteresis: f64,
-    /// Most that anything drawn is off by, metres: the Earth hides ground only below that.
+    /// Largest error of anything drawn, metres: the Earth hides ground only below that depth.
     pub(super) deepest_m: f64,
     pub(super) revision: u64,
     pub(super) work_done: u32,
@@ -88,9 +88,9 @@ pub struct Quadtree {
     pub(super) drawn: Vec<u32>,
     pub(super) stack: Vec<(Node, Slot, BoundVisibility)>,
     pub(super) bins: Vec<u32>,
-    /// Work that leaves above a ratio would take.
+    /// Work that leaves above a ratio would need.
     pub(super) wanted: Vec<u64>,
-    /// Ratios above this are divided in this frame: the worst leaves first, wherever they are.
+    /// Leaves with ratios above this are divided in this frame: the worst ones first, wherever they are.
     pub(super) frame_threshold: f64,
     pub(super) scratch: Scratch,
     pub(super) stats: SurfaceStats,
@@ -99,7 +99,7 @@ pub struct Quadtree {
 }
 
 impl Quadtree {
-    /// A surface that has read nothing yet. The first view reads the 128 first pages, about 10 000 heights.
+    /// A surface that has read nothing yet. The first view reads the first 128 pages, about 10 000 heights.
     pub fn new(options: QuadtreeOptions) -> Self {
         let options = QuadtreeOptions {
             max_leaves: options.max_leaves.max(512),
@@ -131,20 +131,20 @@ impl Quadtree {
         }
     }
 
-    /// Leaves there are, drawn or not.
+    /// Number of leaves, drawn or not.
     pub fn leaves(&self) -> u32 {
         self.leaves
     }
 
-    /// Patches that the last view built again.
+    /// Number of patches that the last view built again.
     pub fn rebuilt(&self) -> u32 {
         self.rebuilt
     }
 
-    /// Prepares a view again and again, without a budget of work, until it asks for nothing more: for stills.
+    /// Prepares a view repeatedly, without a budget of work, until nothing changes: for stills.
     pub fn settle(&mut self, view: &GroundView, ground: &dyn Elevation) -> SurfaceStats {
         let work = std::mem::replace(&mut self.options.work, u32::MAX);
-        // Each round goes as deep as it may; more than a few are needed only where leaves run out.
+        // Each round goes as deep as it may; more than a few are needed only if leaves run out.
         for _ in 0..64 {
             self.prepare(view, ground);
             if self.changes == 0 {
@@ -179,8 +179,8 @@ impl Quadtree {
         self.leaves = self.patches.len() as u32;
     }
 
-    /// Looks at patches, or only at those that have changed: are they seen, do they need work, how far are they off. Answers
-    /// the largest error of what is seen, metres.
+    /// Evaluates all patches, or only those that have changed: visibility, remaining work and error. Returns the largest visible error,
+    /// metres.
     fn evaluate_errors(&mut self, forest: &Forest, lod: &LodView, is_all: bool) -> f64 {
         self.bins.fill(0);
         self.wanted.fill(0);
@@ -220,7 +220,7 @@ impl Quadtree {
             built.leaves += u32::from(!is_split);
             let is_larger = error_m > built.error.0 || error_px > built.error.1;
             if !is_split && full_ratio <= 1.0 && !is_larger {
-                // Seen or not, it changes nothing.
+                // Visible or not, it changes nothing.
                 continue;
             }
             let visibility = lod.visibility_within(above, info);
@@ -252,7 +252,7 @@ impl Quadtree {
         }
     }
 
-    /// Looks with a horizon below all that is drawn: what is drawn too low must not be taken to hide what is behind.
+    /// Evaluates the view with a horizon below all drawn terrain: terrain that is drawn too low must not hide what is behind it.
     fn evaluate_view(&mut self, forest: &Forest, view: &GroundView) -> Option<LodView> {
         let options = self.options;
         let (low_m, high_m) = forest.range_m();
@@ -270,7 +270,7 @@ impl Quadtree {
             )?;
             let error_m = self.evaluate_errors(forest, &lod, true);
             if error_m <= self.deepest_m {
-                // Half as much again, so that the next looks need not be repeated.
+                // Half as much again, so that later evaluations need not be repeated.
                 self.deepest_m = self.deepest_m.min(1.5 * error_m);
                 return Some(lod);
             }
@@ -278,8 +278,7 @@ impl Quadtree {
         }
     }
 
-    /// Eases the tolerance as far as the leaves that it would take are too many, and finds which can be divided in one
-    /// frame.
+    /// Eases the tolerance if it would need too many leaves, and finds the leaves that can be divided in one frame.
     fn set_thresholds(&mut self) {
         let roots = BLOCKS.columns * BLOCKS.rows;
         let most = u64::from(self.options.max_leaves).saturating_sub(roots) / 3;
@@ -288,7 +287,7 @@ impl Quadtree {
         for bin in (0..BINS).rev() {
             count += u64::from(self.bins[bin]);
             if count > most {
-                // Of all that is kept, a step below it, there are no more than there may be.
+                // The kept leaves, one step below the threshold, are then within the limit.
                 threshold = ((bin + 2) as f64 / BINS_PER_DOUBLING).exp2();
                 self.hysteresis = FULL_HYSTERESIS;
                 break;
@@ -306,7 +305,7 @@ impl Quadtree {
         self.frame_threshold = floor.max(threshold);
     }
 
-    /// Divides and merges below a node. Answers whether it is divided.
+    /// Divides and merges below a node. Returns whether the node is divided.
     fn refine(
         &mut self,
         forest: &mut Forest,
@@ -317,7 +316,7 @@ impl Quadtree {
     ) -> bool {
         let info = *forest.info(slot);
         let side_m = side_m(&self.options.ellipsoid, node);
-        // As `evaluate_patch` sees it: what that waits for must be divided here, or the rest would wait forever.
+        // As in `evaluate_patch`: leaves that it waits for must be divided here, or the others would wait forever.
         let visibility = lod.visibility_within(above, &info);
         let ratio = lod.split_ratio(&info, side_m, visibility);
         let was_split = forest.is_split(slot);
@@ -334,7 +333,7 @@ impl Quadtree {
                 if !forest.read_children(node, slot, ground) {
                     return false;
                 }
-                // Seen closer it may do as it is.
+                // With its page read, the error may be small enough.
                 if lod.split_ratio(forest.info(slot), side_m, visibility) <= self.frame_threshold {
                     return false;
                 }
@@ -361,7 +360,7 @@ impl Quadtree {
         true
     }
 
-    /// Notes that a node was divided or merged: its patch is built again, and those of leaves beside that share points.
+    /// Records that a node was divided or merged. Its patch is built again, and so are patches of adjacent leaves that share points.
     fn changed(&mut self, forest: &Forest, node: Node) {
         self.changes += 1;
         self.work_done = self.work_done.saturating_add(SPLIT_WORK);
@@ -388,7 +387,7 @@ impl Quadtree {
         }
     }
 
-    /// Divides and merges leaves, the worst patches first, while there is work left.
+    /// Divides and merges leaves, the worst patches first, while work is left.
     fn improve(&mut self, forest: &mut Forest, lod: &LodView, ground: &dyn Elevation) {
         let floor = self.frame_threshold;
         let mut order = std::mem::take(&mut self.order);
@@ -404,7 +403,7 @@ impl Quadtree {
         });
         for index in &order {
             let built = &self.patches[*index as usize];
-            // A part of the work is kept for merging.
+            // A part of the work is reserved for merging.
             let max_work = if built.urgency > floor {
                 self.options.work - self.options.work / 4
             } else {
@@ -422,7 +421,7 @@ impl Quadtree {
         self.order = order;
     }
 
-    /// Builds every patch that a change touched: all in one frame, so that no edge is open between two.
+    /// Builds every patch that a change touched, all in one frame, so that no crack opens between two.
     fn build(&mut self, forest: &Forest, lod: &LodView, ground: &dyn Elevation) {
         self.rebuilt = 0;
         self.scratch.new_vertices = 0;
@@ -442,7 +441,7 @@ impl Quadtree {
                     self.scratch.beside.push((patch, step_m));
                 }
             });
-            // In an order of their own, so that the same ones are known again.
+            // In a fixed order, so that an unchanged list compares equal.
             self.scratch.beside.sort_unstable_by_key(|(node, _)| *node);
             let built = &mut self.patches[index];
             built.build(forest, slot, ground, &mut self.scratch);
@@ -499,7 +498,7 @@ impl Surface for Quadtree {
             self.read_stale(&mut forest, ground);
             self.set_thresholds();
             self.improve(&mut forest, &lod, ground);
-            // Leaves, and what is seen of them, have changed; very rarely for the worse.
+            // Leaves and their visibility have changed; very rarely for the worse.
             if self.changes > 0
                 && self.evaluate_errors(&forest, &lod, false) > self.deepest_m
                 && let Some(again) = self.evaluate_view(&forest, view)

@@ -22,7 +22,7 @@ pub struct Posts {
 }
 
 impl Posts {
-    /// `rows` steps from pole to pole, twice as many around; `height` of a column and a row.
+    /// A grid of `rows` steps from pole to pole, and twice as many around; `height` takes a column and a row.
     pub fn new(rows: usize, height: impl Fn(usize, usize) -> f64) -> Self {
         let columns = 2 * rows;
         let mut heights_m = Vec::new();
@@ -112,7 +112,7 @@ impl Elevation for Posts {
     }
 }
 
-/// An eye over a place, looking at another direction than straight down by `tilt_rad` towards the north.
+/// A view from an eye over a place, tilted from straight down by `tilt_rad` towards the north.
 pub fn view(lat_deg: f64, lon_deg: f64, height_m: f64, tilt_rad: f64) -> GroundView {
     let place = Geodetic::from_degrees(lat_deg, lon_deg, height_m);
     let eye_itrf_m = Ellipsoid::WGS84.itrf_from_geodetic(place);
@@ -136,7 +136,7 @@ pub fn view(lat_deg: f64, lon_deg: f64, height_m: f64, tilt_rad: f64) -> GroundV
     }
 }
 
-/// A surface of few leaves, nothing left out.
+/// A surface with few leaves and no culling.
 pub fn whole(max_leaves: u32) -> Quadtree {
     Quadtree::new(QuadtreeOptions {
         max_leaves,
@@ -145,12 +145,12 @@ pub fn whole(max_leaves: u32) -> Quadtree {
     })
 }
 
-/// A vertex, ITRF metres.
+/// Position of a vertex, ITRF metres.
 pub fn placed(patch: &Patch, place: u32) -> DVec3 {
     patch.origin_itrf_m + patch.vertices[place as usize].from_origin_m.as_dvec3()
 }
 
-/// Calls for each triangle that is drawn.
+/// Calls `call` for each drawn triangle.
 pub fn for_each_triangle(surface: &Quadtree, mut call: impl FnMut([DVec3; 3])) {
     surface.for_each_patch(&mut |patch| {
         for corners in patch.indices.triangles.as_chunks::<3>().0 {

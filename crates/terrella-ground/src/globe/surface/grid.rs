@@ -1,5 +1,4 @@
-//! Ground as a grid whose vertices the GPU makes itself, by `shaders/earth/vertex/projected_grid.wgsl`, from a uniform and tiles of
-//! heights.
+//! Terrain as a grid whose vertices `shaders/earth/vertex/projected_grid.wgsl` computes on the GPU, from a uniform and tiles of heights.
 
 use super::TriangleList;
 use bytemuck::{Pod, Zeroable};
@@ -11,24 +10,24 @@ pub const TILE_CELLS: u32 = 64;
 pub const TILE_SAMPLES: u32 = TILE_CELLS + 1;
 /// Levels of the pyramid; the finest has a sample every 2.3 m.
 pub const LEVELS: usize = 22;
-/// Tiles that a window can hold.
+/// Largest number of tiles in a window.
 pub const WINDOW_TILES: usize = 64;
-/// No tile: what a window's table holds for tiles that are not loaded.
+/// No tile: the entry of a window's table for a tile that is not loaded.
 pub const NO_SLOT: u32 = u32::MAX;
 
-/// What a grid is drawn with.
+/// Data that a grid is drawn with.
 #[derive(Clone, Copy, Debug)]
 pub struct GridDraw<'a> {
-    /// The grid of the last view; `None` where nothing shows.
+    /// The grid of the last view; `None` if no ground is visible.
     pub uniforms: Option<&'a GridUniforms>,
-    /// Grows with each change of where the grid lies.
+    /// Increases with each change of the grid's placement.
     pub revision: u64,
-    /// Its heights, metres: slots of [`TILE_SAMPLES`]² each, as many as ever.
+    /// Heights of the grid, metres: slots of [`TILE_SAMPLES`]² each. The number of slots never changes.
     pub heights_m: &'a [f32],
-    /// The number of the update that wrote each slot last, 0 for none: who keeps copies knows by it which are old, also
-    /// after updates that it did not see.
+    /// Number of the update that last wrote each slot, 0 for none. A reader with copies sees from it which are out of date, even after
+    /// updates that it missed.
     pub written: &'a [u64],
-    /// Its triangles over the numbers of grid points. The same in each frame, in the order of [`Surface::grid_ranges`].
+    /// Triangles over the indices of grid points. They are the same in each frame, in the order of [`Surface::grid_ranges`].
     ///
     /// [`Surface::grid_ranges`]: super::Surface::grid_ranges
     pub indices: &'a TriangleList,
@@ -42,19 +41,19 @@ impl GridDraw<'_> {
     }
 }
 
-/// One level's window, as the shader reads it.
+/// One level's window, in the shader's layout.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GridLevel {
-    /// Cells of the level from the window's south-western corner to the place under the eye, east and north.
+    /// Cells of the level from the window's south-western corner to the point under the eye, east and north.
     pub eye_cells: Vec2,
-    /// Cells a radian.
+    /// Cells per radian.
     pub per_radian: f32,
     /// Cells around the Earth.
     pub period: f32,
-    /// Columns and rows of tiles; none where the level is not there.
+    /// Columns and rows of tiles; zero if the level has none.
     pub size: UVec2,
-    /// Zero.
+    /// Always zero.
     pub padding: UVec2,
 }
 
@@ -66,7 +65,7 @@ pub struct GridUniforms {
     pub forward: Vec3,
     /// [`ScreenPlane::corner`](crate::globe::projected_grid::ScreenPlane::corner).
     pub corner: f32,
-    /// [`ScreenPlane::middle`](crate::globe::projected_grid::ScreenPlane::middle) less forward.
+    /// [`ScreenPlane::middle`](crate::globe::projected_grid::ScreenPlane::middle) minus `forward`.
     pub middle: Vec3,
     /// [`ScreenPlane::corner_rad`](crate::globe::projected_grid::ScreenPlane::corner_rad).
     pub corner_rad: f32,
@@ -86,7 +85,7 @@ pub struct GridUniforms {
     pub eye_normal: Vec3,
     /// [`Caster::sin_limb`](crate::globe::projected_grid::Caster::sin_limb).
     pub sin_limb: f32,
-    /// From the eye to the ground on its radius at `base_m`, ITRF metres.
+    /// From the eye to the ground at height `base_m` on the eye's radius, ITRF metres.
     pub to_base_m: Vec3,
     /// [`Caster::cos_limb`](crate::globe::projected_grid::Caster::cos_limb).
     pub cos_limb: f32,
@@ -98,7 +97,7 @@ pub struct GridUniforms {
     pub eye_lon: Vec2,
     /// Plane coordinates of the first sample.
     pub low: Vec2,
-    /// Their change to the next column and row; negative across in a mirrored picture.
+    /// Change of plane coordinates to the next column and row; negative across in a mirrored image.
     pub step: Vec2,
     /// Samples across and down.
     pub samples: UVec2,
@@ -108,11 +107,11 @@ pub struct GridUniforms {
     pub far_rad: f32,
     /// [`Caster::spread_rad`](crate::globe::projected_grid::Caster::spread_rad).
     pub spread_rad: f32,
-    /// Latitude of the place under the eye, radians.
+    /// Latitude of the point under the eye, radians.
     pub eye_lat: f32,
-    /// Cosine and sine of it.
+    /// Cosine and sine of `eye_lat`.
     pub center_lat: Vec2,
-    /// Texture coordinates of that place on a whole map, u east from 180° W, v south from the north pole.
+    /// Texture coordinates of the point under the eye on a whole map, u east from 180° W, v south from the north pole.
     pub center_uv: Vec2,
     /// The windows, the coarsest first.
     pub levels: [GridLevel; LEVELS],

@@ -1,5 +1,5 @@
-//! Lists of triangles in ranges, each with the blocks that it may touch: what lies in several blocks is drawn with the tiles of
-//! each of them, and that should not take all triangles each time.
+//! Ranges of triangle lists, each with the blocks that it may touch. Terrain in several blocks is drawn with the tiles of each. The ranges
+//! avoid drawing all triangles each time.
 
 use crate::globe::blocks::BlockSet;
 use std::ops::Range;
@@ -7,13 +7,13 @@ use std::ops::Range;
 /// Neighbouring triangles of a list, and the blocks that they may touch.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct IndexRange {
-    /// Where their numbers stand in the list.
+    /// Range of indices in the list.
     pub indices: Range<u32>,
-    /// Blocks that they may touch: perhaps too many, never too few.
+    /// Blocks that the triangles may touch; possibly too many, never too few.
     pub blocks: BlockSet,
 }
 
-/// Hands over the ranges that may touch any of some blocks; those next to each other are merged.
+/// Calls `draw` with the ranges that may touch any of `blocks`; adjacent ranges are merged.
 pub fn merged_ranges(ranges: &[IndexRange], blocks: BlockSet, mut draw: impl FnMut(Range<u32>)) {
     let mut open: Option<Range<u32>> = None;
     let near = ranges.iter().filter(|near| near.blocks.0 & blocks.0 != 0);

@@ -1,15 +1,15 @@
-//! Who lies beside whom, and how far: rules against the sphere itself.
+//! Neighbours and distances: the rules compared with the sphere itself.
 
 use super::*;
 use std::collections::VecDeque;
 
-/// All points of the globe's lattice, each once, and the neighbours that triangles give them.
+/// All points of the globe's lattice, each once, and their neighbours by triangles.
 struct Globe {
     n: i64,
     icosahedron: Icosahedron,
     number: HashMap<Point, usize>,
     directions: Vec<DVec3>,
-    /// By point: those with which it shares an edge of a triangle, and those with which it shares a cell.
+    /// By point: the points that share a triangle's edge with it, and those that share a cell.
     edges: Vec<HashSet<usize>>,
     cells: Vec<HashSet<usize>>,
 }
@@ -64,7 +64,7 @@ impl Globe {
         self.number[&bits(self.icosahedron.direction(index, self.n))]
     }
 
-    /// Steps from a point to all.
+    /// Steps from a point to all others.
     fn steps(&self, from: usize, links: &[HashSet<usize>]) -> Vec<i64> {
         let mut steps = vec![-1; links.len()];
         steps[from] = 0;
@@ -144,12 +144,12 @@ fn every_border_of_every_home_leads_to_the_true_neighbours() {
                 .zip(triangle.neighbours(n))
             {
                 let theirs = beyond.corners().map(|corner| globe.at(corner));
-                // They share this edge, the other way round, and nothing more.
+                // They share this edge, in the opposite direction, and nothing more.
                 let k = (0..3).find(|k| theirs[*k] == y && theirs[(k + 1) % 3] == x);
                 let k = k.unwrap_or_else(|| panic!("{triangle:?} has not {beyond:?} beside it"));
                 let third = theirs[(k + 2) % 3];
                 assert!(![a, b, c].contains(&third));
-                // By distance on the sphere: the two points nearest to both ends of the edge are the third corners.
+                // By distance on the sphere, the third corners are the two points nearest to both ends of the edge.
                 let middle = (globe.directions[x] + globe.directions[y]).normalize();
                 let mut others: Vec<usize> = (0..globe.directions.len())
                     .filter(|o| *o != x && *o != y)
@@ -211,7 +211,7 @@ fn the_virtual_diamond_holds_the_true_surroundings_of_all_homes() {
             (2, 0, index(n, 0)),
             (2, 2, index(n, n)),
         ] {
-            // All diamonds that have the corner are the home, the two across its edges, and what the place says.
+            // The diamonds at the corner are the home, the two across its edges, and those of the place.
             let mut said: HashSet<u8> = [home, across(row, 1), across(1, column)].into();
             match cells[row][column] {
                 DiamondPlace::Closed => {}
@@ -246,7 +246,7 @@ fn corners_are_walked_to_the_left_along_shared_edges() {
             }
             let round = (0..corner.valence()).fold(corner, |c, _| c.left());
             assert_eq!(round, corner);
-            // Left is left: from the first edge to the second, seen from above.
+            // Left means from the first edge to the second, seen from above.
             let at = |p, q| globe.icosahedron.direction(corner.index(p, q, n), n);
             assert!(at(0, 0).dot(at(1, 0).cross(at(0, 1))) > 0.0);
         }
@@ -279,7 +279,7 @@ fn distances_are_those_of_a_walk_over_the_globe() {
                         );
                     }
                 }
-                // Under one name or another everything within reach is found, in a box that holds it.
+                // Everything within the extent is found, under some index, in a box that contains it.
                 assert_eq!(within.len(), steps.iter().filter(|s| **s <= n / 2).count());
                 for cell in cells(n) {
                     let triangle = Triangle {
@@ -342,7 +342,7 @@ fn directions_are_found_again_and_faces_lie_where_the_paper_says() {
             "{k}: {fine:?} {found:?}"
         );
     }
-    // The appendix: middles of faces 0, 5, 10 and 15.
+    // The paper's appendix: middles of faces 0, 5, 10 and 15.
     for (diamond, i, lat_deg, lon_deg) in [
         (0, 1, 52.623, 36.0),
         (0, 2, 10.812, 36.0),

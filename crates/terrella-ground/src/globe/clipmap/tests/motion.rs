@@ -1,4 +1,4 @@
-//! What happens as the eye moves: what is read, what changes, and that nothing jumps.
+//! A moving eye: what is read, what changes, and that nothing jumps.
 
 use super::*;
 use crate::globe::surface::GroundVertex;
@@ -48,7 +48,7 @@ fn a_move_by_a_cell_reads_its_l_and_nothing_else() {
         assert_eq!(10_000 - budget, new);
         assert_eq!(level.missing(&target), 0);
     }
-    // Across a border too: points of the border have a place in both diamonds, and no more is read.
+    // The same across a border: points of the border are in both diamonds, and no more is read.
     let border = LatticeIndex {
         diamond: 3,
         i: 200,
@@ -58,7 +58,7 @@ fn a_move_by_a_cell_reads_its_l_and_nothing_else() {
     let target = level.extent_about(LatticeIndex { j: 2, ..border });
     assert_eq!(level.missing(&target), 2 * 65);
     level.fill(&target, &source, &mut 10_000, &mut 0);
-    // As the neighbour calls it, nothing is new.
+    // In the neighbour's indices, nothing is new.
     let corner = DiamondCorner {
         diamond: 3,
         corner: 1,
@@ -76,7 +76,7 @@ fn a_move_by_a_cell_reads_its_l_and_nothing_else() {
 
 type Drawn = HashMap<(u32, LatticeIndex), (DVec3, GroundVertex)>;
 
-/// Where the drawn surface is at a point of a level's lattice: at a vertex, or halfway along a coarser edge.
+/// The position of the drawn surface at a point of a level's lattice: at a vertex, or halfway along a coarser edge.
 fn drawn_at(all: &Drawn, (level, index): (u32, LatticeIndex)) -> Option<DVec3> {
     if let Some((point, _)) = all.get(&(level, index)) {
         return Some(*point);
@@ -88,7 +88,7 @@ fn drawn_at(all: &Drawn, (level, index): (u32, LatticeIndex)) -> Option<DVec3> {
     Some(0.5 * (x + y))
 }
 
-/// How all vertices that are drawn look, by level and point.
+/// All drawn vertices, by level and point.
 fn drawn(map: &Clipmap) -> Drawn {
     let mut all = HashMap::new();
     for level in &map.levels[..=map.counts.finest as usize] {
@@ -143,7 +143,7 @@ proptest! {
         let mut map = clipmap(at_once(7, trim));
         map.prepare(&view_from(eye), &HILLS);
         for (x, y, length) in steps {
-            // From metres to hundreds of kilometres, in the tangent plane, back to 2 km.
+            // Steps from metres to hundreds of kilometres in the tangent plane, back to 2 km of height.
             let (east, north) = eye.normalize().any_orthonormal_pair();
             eye += (east * x + north * y) * 10_f64.powf(1.0 + length);
             let ground = Ellipsoid::WGS84.geodetic_from_itrf(eye);
@@ -193,7 +193,7 @@ fn who_takes_only_what_changed_has_all_of_it() {
     let mut copies: HashMap<u64, (u64, Vec<GroundVertex>)> = HashMap::new();
     let (mut all, mut sent) = (0, 0);
     for k in 0..400 {
-        // Over the pole and through a corner of the icosahedron, with two leaps.
+        // Over the pole and through a corner of the icosahedron, with two jumps.
         let lat = 89.0 + 0.01 * f64::from(k);
         let view = match k {
             150..200 => over(26.3 + 0.01 * f64::from(k - 150), 72.1, 5000.0),
@@ -252,7 +252,7 @@ fn an_eye_at_rest_changes_nothing() {
 #[test]
 fn a_change_of_home_changes_nothing() {
     let icosahedron = Icosahedron::default();
-    // Just this and just that side of every border, near corners and far from them.
+    // Just on either side of every border, near corners and far from them.
     let n = 1 << 20;
     for diamond in 0..DIAMONDS {
         for part in [0.0, 1e-4, 0.5] {
@@ -279,8 +279,8 @@ fn a_change_of_home_changes_nothing() {
 
 #[test]
 fn nothing_jumps_on_the_way() {
-    // A tenth of the finest cell a step, over a border near a corner, over a pole, and far from both; then up and down
-    // through the heights where levels come and go.
+    // A tenth of the finest cell a step, over a border near a corner, over a pole, and far from both. Then up and down through the heights
+    // where levels appear and disappear.
     let flights: Vec<Vec<GroundView>> = vec![
         (0..30)
             .map(|k| over(26.03 + 2e-3 * f64::from(k), 72.01, 4000.0))
@@ -321,7 +321,7 @@ fn nothing_jumps_on_the_way() {
             map.prepare(view, &HILLS);
             let after = drawn(&map);
             levels.insert(map.counts.finest);
-            // Each vertex of the one against the surface of the other, there being a vertex or not.
+            // Compare each vertex of one with the surface of the other, whether a vertex is there or not.
             for key in before.keys().chain(after.keys()) {
                 let (Some(old), Some(new)) = (drawn_at(&before, *key), drawn_at(&after, *key))
                 else {
@@ -342,7 +342,7 @@ fn nothing_jumps_on_the_way() {
 
 #[test]
 fn levels_come_and_go_as_the_surface_below_them() {
-    // While it fades altogether, a level is the coarser surface to the last bit where both have a vertex.
+    // While fully faded, a level equals the coarser surface to the last bit where both have a vertex.
     let mut map = clipmap(ClipmapOptions {
         fade_prepares: 1 << 20,
         ..at_once(1, Trim::Diamond)
@@ -360,7 +360,7 @@ fn levels_come_and_go_as_the_surface_below_them() {
             most = most.max(coarse.distance(point));
         }
     }
-    // A millionth of the difference of the levels, on the grid of 1 m.
+    // A millionth of the difference between the levels, on the grid of 1 m.
     assert!(most <= 1.8, "{most}");
     assert_closed(&map, "fading");
 }
@@ -377,7 +377,7 @@ fn an_eye_that_outruns_its_samples_sees_coarser_ground_without_cracks() {
         let mut finest = Vec::new();
         for k in 0..260 {
             let k = f64::from(k);
-            // Leaps to the antipodes, slows down, stands still.
+            // Jumps to the antipodes, slows down, stands still.
             let (lat, lon) = match k as u32 {
                 0..60 => (10.0 + 0.2 * k, 30.0 + 0.4 * k),
                 60..90 => (26.565, 72.0 + 0.001 * k),

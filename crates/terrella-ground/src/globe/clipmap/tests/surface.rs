@@ -1,4 +1,4 @@
-//! What is drawn: closed, as near to the data as its cells allow, whatever the place and the ground.
+//! The drawn surface is closed, and as near to the data as its cells allow, for any place and ground.
 
 use super::*;
 
@@ -41,7 +41,7 @@ fn a_border_through_a_corner_of_three_diamonds_is_closed() {
 #[test]
 fn the_default_has_the_papers_vertices() {
     let mut map = clipmap(ClipmapOptions::default());
-    // In the middle of a diamond nothing is cut off or doubled.
+    // In the middle of a diamond nothing is cut or doubled.
     let view = over(30.0, 36.0, 20_000.0);
     settle(&mut map, &view, &HILLS);
     assert_eq!(map.counts().finest, 6);
@@ -52,7 +52,7 @@ fn the_default_has_the_papers_vertices() {
         .sum();
     assert_eq!(vertices, 99_846 + 129 * 129 * (buffers(&map) - 6));
     assert_closed(&map, "default");
-    // Each point within reach once: six squares, and a few points of diamond borders twice.
+    // Each point within the extent once: six squares, and a few points of diamond borders twice.
     let bound = map.max_bytes();
     assert!(
         map.stats.resident_bytes < bound,
@@ -88,12 +88,12 @@ fn positions_are_exact_sums_in_single_precision() {
 
 #[test]
 fn each_level_follows_the_ground_as_its_cells_allow() {
-    // One wave of 600 km, not averaged, so that the error is that of the triangles alone.
+    // One wave of 600 km, not averaged, so that the error comes from the triangles alone.
     const WAVE: Rule = Rule {
         height: |n, _| 2000.0 * (60.0 * n.x).sin() * (60.0 * n.z).cos(),
         finest_rad: 1e-6,
     };
-    // |second derivative| of the wave, at most: 2 k² A along the sphere's chord, and the sphere's own.
+    // Upper bound of the wave's |second derivative|: 2 k² A along the sphere's chord, plus the sphere's own.
     let (radius_m, k) = (6.4e6, 60.0 / 6.35e6);
     let curvature = 2.0 * k * k * 2000.0 + 1.0 / radius_m;
     for (lat_deg, lon_deg) in [(26.565, 72.0), (90.0, 0.0), (31.0, 40.0), (-5.0, 179.9)] {
@@ -101,8 +101,8 @@ fn each_level_follows_the_ground_as_its_cells_allow() {
         map.prepare(&over(lat_deg, lon_deg, 3000.0), &WAVE);
         let mut met = [false; 7];
         for level in &map.levels {
-            // Blended cells are the coarser level's; a triangle's points are within s/√3 of a corner. s²·c/6, and a cell is
-            // up to 1.3 times the mean.
+            // Blended cells are the coarser level's. A triangle's points are within s/√3 of a corner, so the error is s²·c/6; a cell is up
+            // to 1.3 times the mean.
             let spacing_m = map.spacing_m(level.number.saturating_sub(1)) * 1.3;
             let bound_m = spacing_m * spacing_m * curvature / 6.0 + Level::quantum_m(level.number);
             for buffer in &level.buffers {
@@ -160,7 +160,7 @@ fn extreme_grounds_and_eyes_are_drawn_closed() {
             }
             assert_closed(&map, &format!("{name}, eye {k}"));
         }
-        // Nowhere at all: what was there stays.
+        // An eye that is not finite: the previous state stays.
         let before = map.stats;
         let stats = map.prepare(&view_from(DVec3::NAN), ground);
         assert_eq!(
@@ -186,24 +186,24 @@ fn as_many_levels_as_data_and_tolerance_ask_for() {
         );
         map.counts.finest
     };
-    // Level, with data of 6.4 m.
+    // Flat, but declared as data of 6.4 m.
     const FINE: Rule = Rule {
         height: |_, _| 0.0,
         finest_rad: 1e-6,
     };
-    // Cells of 220 km/2^ℓ. Flat ground needs none but for the curvature: a millimetre at 226 m.
+    // Cells of 220 km/2^ℓ. Flat ground needs levels only for the curvature: a millimetre at 226 m.
     assert_eq!(finest(&FLAT, 1e3, 0.0), 10);
     assert_eq!(finest(&FLAT, 1e3, 1e9), 0);
     assert_eq!(finest(&FINE, 1e4, 0.0), 22);
-    // 1 px of a milliradian at 2 km and 400 km: 32 m and 6.4 km between samples; the spike's data of 64 m are not
-    // followed by cells as wide.
+    // 1 px of a milliradian at 2 km and 400 km: 32 m and 6.4 km between samples. The spike's data of 64 m are not followed by equally wide
+    // cells.
     assert_eq!(finest(&FINE, 2e3, 1.0), 13);
     assert_eq!(finest(&SPIKE, 2e3, 1.0), 13);
     assert_eq!(finest(&FINE, 4e5, 1.0), 6);
     assert_eq!(finest(&FINE, 1e30, 1.0), 0);
 }
 
-/// Hills of half a degree at 20° N 10° E, samples 139 m apart, and nothing else.
+/// Hills of half a degree at 20° N 10° E, with samples 139 m apart, and flat elsewhere.
 fn island() -> crate::elevation::Ground {
     use crate::elevation::{Georeference, GridLimits, HeightGrid, Registration};
     const SIDE: u32 = 401;
@@ -234,14 +234,14 @@ fn data_ahead_of_the_eye_bring_the_levels_that_reach_them() {
         map.prepare(&view, &ground);
         map.counts.finest
     };
-    // Level ℓ reaches 2.1 · 7060 km/2^ℓ, cells are 220 km/2^ℓ; flat ground is drawn by level 5 at 3 km (3 m of curvature).
+    // Level ℓ reaches 2.1 · 7060 km/2^ℓ, and cells are 220 km/2^ℓ; flat ground is drawn by level 5 at 3 km (3 m of curvature).
     assert_eq!(finest(0.0), 5);
     let near = finest(19.25);
     assert_eq!(near, 7, "83 km away");
     assert_eq!(finest(19.85), 9, "17 km away");
-    // 139 m within the tolerance of 3 m: 48 m between samples.
+    // A rise over 139 m is within the tolerance of 3 m: 48 m between samples.
     assert_eq!(finest(20.25), 13);
-    // An eye that goes to and fro sees no level come and go: one that is there stays for a quarter of its reach.
+    // An eye that moves to and fro toggles no level: a level that is there stays for a quarter of its reach.
     let mut before = finest(17.0);
     for step in 0..300 {
         let sway = if step % 2 == 0 { 0.0 } else { 0.02 };
@@ -274,10 +274,10 @@ fn a_frame_at_rest_or_on_its_way_looks_for_data_seldom() {
     let mut map = clipmap(at_once(16, Trim::Diamond));
     let view = |step: u32| GroundView {
         tolerance_px: 1.0,
-        // 4 m a frame.
+        // The eye moves 4 m a frame.
         ..over(20.25 + 3.6e-5 * f64::from(step), 10.25, 3e3)
     };
-    // Twice: a level that is there looks farther than one that is not.
+    // Twice: a level that is there searches farther than one that is not.
     map.prepare(&view(0), &ground);
     map.prepare(&view(0), &ground);
     let looks = || ground.1.swap(0, std::sync::atomic::Ordering::Relaxed);
@@ -287,7 +287,7 @@ fn a_frame_at_rest_or_on_its_way_looks_for_data_seldom() {
     for step in 0..100 {
         map.prepare(&view(step), &ground);
     }
-    // 400 m: level 14, which is not there, looks again after 28 m, level 13 after 57 m, and so on.
+    // Over 400 m: level 14, which is not there, searches again after 28 m, level 13 after 57 m, and so on.
     let looks = looks();
     assert!((10..40).contains(&looks), "{looks}");
 }
@@ -313,7 +313,8 @@ fn samples_are_those_there_are() {
 fn the_far_side_of_the_globe_is_not_handed_over() {
     let mut map = clipmap(at_once(3, Trim::Diamond));
     let eye = over(90.0, 0.0, 4e5);
-    // Identity takes what is within a metre of the eye; all of space: rows for x, y, z nothing, w one.
+    // The identity matrix would keep only what is within a metre of the eye. This matrix keeps all of space: rows x, y, z are zero, w is
+    // one.
     let mut clip = DMat4::ZERO;
     clip.w_axis.w = 1.0;
     let stats = map.prepare(
@@ -339,12 +340,12 @@ fn the_far_side_of_the_globe_is_not_handed_over() {
 
 #[test]
 fn patches_meet_in_single_precision_too() {
-    // As the GPU adds: the origin seen from the eye, rounded, and the offset.
+    // Add as the GPU does: the rounded eye-relative origin plus the offset.
     for (lat_deg, lon_deg) in [(89.7, 40.0), (26.3, 71.8), (31.0, 40.0), (0.0, 180.0)] {
         let mut map = clipmap(at_once(12, Trim::Diamond));
         let mut worst_px = 0.0_f64;
         for k in 0..30 {
-            // On by half a cell of the finest level and more, so that origins lag.
+            // Moves by half a cell of the finest level and more, so that origins lag.
             let view = over(lat_deg + 0.004 * f64::from(k), lon_deg, 2000.0);
             map.prepare(&view, &HILLS);
             let mut seen: HashMap<Point, DVec3> = HashMap::new();

@@ -15,58 +15,58 @@ use terrella_frames::Ellipsoid;
 
 /// Cells along an edge of a page.
 pub const CELLS: u32 = 16;
-/// Most nodes of a page: 1 + 4 + 16 + 64 + 256.
+/// Largest number of nodes of a page: 1 + 4 + 16 + 64 + 256.
 pub const MAX_NODES: u32 = (4 * CELLS * CELLS - 1) / 3;
 /// Deepest level: cells of 0.6 m.
 pub const MAX_LEVEL: u8 = 18;
 /// Posts along an edge of a page, and those with one more at each end, for slopes.
 const POSTS: usize = CELLS as usize + 1;
 const READ: usize = POSTS + 2;
-/// A node is a leaf from this part of a post's distance on, whatever finer data would add.
+/// A node is a leaf if its slab is thinner than this fraction of the distance between posts, whatever finer data would add.
 const THICKEST: f64 = 1.0 / 32.0;
-/// And never before it is thinner than this.
+/// A node is never a leaf before its slab is thinner than this.
 const THINNEST: f64 = 1.0 / 1024.0;
-/// No ground is higher or lower than this, metres; a source that says so is not believed.
+/// Limit of heights, metres; values beyond it from a source are clamped.
 const BEYOND_M: f64 = 1e5;
-/// Latitudes between which slopes go over from differences of posts to the ground's own, radians.
+/// Latitudes between which slopes change from differences of posts to the ground's own, radians.
 const POLAR_RAD: (f64, f64) = (1.4, 1.47);
-/// From this level on the chord of a cell lies less than 3 cm below the arc, however coarse the data.
+/// From this level on the chord of a cell is less than 3 cm below the arc, however coarse the data.
 const ROUND: u8 = 8;
 
-/// Contours of a cell of ground, as the GPU gets them.
+/// Contours of a cell of ground, in the GPU's layout.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Page {
-    /// Grows with each change of what is below; 0 holds nothing.
+    /// Increases with each change of the fields below; 0 means empty.
     pub revision: u64,
-    /// Where positions are measured from, ITRF metres.
+    /// Origin of positions, ITRF metres.
     pub origin_itrf_m: DVec3,
     /// Nodes of the page's tree of contours.
     pub nodes: Vec<ContourNode>,
-    /// The prism that holds what is drawn: SW, SE, NW, NE below, then above, metres from the origin.
+    /// The prism that contains the drawn terrain: SW, SE, NW, NE below, then above, metres from the origin.
     pub corners_m: [DVec3; 8],
-    /// Unit vectors east, north and up in its middle.
+    /// Unit vectors east, north and up at the page's centre.
     pub axes: [DVec3; 3],
-    /// Largest distance between what is drawn and the data, metres, as far as known.
+    /// Largest known distance between the drawn terrain and the data, metres.
     pub error_m: f64,
     /// The same on its border, where neighbours meet.
     pub border_m: f64,
-    /// A ball that holds the prism, ITRF metres.
+    /// Centre of a ball that contains the prism, ITRF metres.
     pub center_m: DVec3,
-    /// See [`Self::center_m`].
+    /// Radius of that ball, metres; see [`Self::center_m`].
     pub radius_m: f64,
-    /// Lowest of the heights drawn, metres.
+    /// Lowest drawn height, metres.
     pub low_m: f64,
     /// Highest height in the page, metres.
     pub high_m: f64,
-    /// Finer shows nothing more.
+    /// Whether finer pages would add nothing.
     pub is_last: bool,
-    /// The cell it draws; as [`Self::block`].
+    /// Key of the cell that it draws; see [`Self::block`].
     pub key: u64,
     pub(super) block: u32,
 }
 
 impl Page {
-    /// The block it lies in.
+    /// The block that contains the page.
     pub fn block(&self) -> Block {
         Block {
             column: self.block % crate::globe::COLUMNS,
@@ -75,7 +75,7 @@ impl Page {
     }
 }
 
-/// Heights of a cell's posts, and one more on each side.
+/// Heights of a cell's posts, and of one more on each side.
 struct Posts {
     heights_m: [[f64; READ]; READ],
     /// Angle between posts, radians.
@@ -114,7 +114,7 @@ impl Posts {
         self.heights_m[j + 1][i + 1]
     }
 
-    /// Rise to the east and to the north at a post that is no pole.
+    /// Rise to the east and to the north at a post that is not a pole.
     fn slope(&self, lat_rad: f64, radius_m: f64, i: u32, j: u32) -> DVec2 {
         let (i, j) = (i as usize + 1, j as usize + 1);
         let h = &self.heights_m;
@@ -124,7 +124,7 @@ impl Posts {
     }
 }
 
-/// What the tree of posts does not say: the largest distance of the data from the posts' squares, metres.
+/// The error that the tree of posts does not include: the largest distance of the data from the posts' squares, metres.
 fn missed_m(
     cell: Cell,
     posts: &Posts,
@@ -152,10 +152,10 @@ fn missed_m(
             }
         }
     }
-    // The chord of a square below the arc, both ways.
+    // Depth of the chord of a square below the arc, both ways.
     let arc = posts.spacing_rad;
     most_m += chord_m(ellipsoid, arc);
-    // What the probes have missed, a single summit, say. Only from a source whose ranges become narrower with the bounds.
+    // Features that the probes have missed, such as a single summit. Only for a source whose ranges become narrower with the bounds.
     let range = ground.range_up_to_m(&cell.bounds(), 0.0);
     let is_telling = cell
         .children()
@@ -168,10 +168,10 @@ fn missed_m(
 }
 
 impl Page {
-    /// Heights that [`Self::build`] reads.
+    /// Number of heights that [`Self::build`] reads.
     pub(super) const READS: u64 = (READ * READ) as u64 + (CELLS * CELLS + 8 * CELLS) as u64;
 
-    /// Makes it that of a cell. `reach` is the same for all pages: heights that all columns hold their corners at.
+    /// Builds the page of a cell. `reach` is the same for all pages: heights at which all columns contain their corners.
     pub(super) fn build(
         &mut self,
         cell: Cell,
@@ -211,7 +211,7 @@ impl Page {
             }
         };
         let radius_m = ellipsoid.equatorial_radius_m;
-        // Near the poles, where columns draw together, differences between them say nothing: the ground's own slope there.
+        // Near the poles columns converge, and differences between them are meaningless: use the ground's own slope there.
         let slope = |i: u32, j: u32| {
             let lat_rad = bounds.south_rad + f64::from(j) * posts.spacing_rad;
             let part =
@@ -234,7 +234,7 @@ impl Page {
         tree.write_gpu_nodes(&dem, slope, &mut self.nodes);
         self.origin_itrf_m = dem.origin_m();
         let leaves = tree.nodes.iter().filter(|node| node.children == 0);
-        // Upwards, not along the normal.
+        // Measured upwards, not along the normal.
         let slabs_m =
             leaves.map(|leaf| leaf.contour.thickness_m() / leaf.contour.normal.dot(dem.up()));
         self.error_m = 0.5 * slabs_m.fold(0.0, f64::max) + missed_m;
@@ -249,19 +249,19 @@ impl Page {
         self.enclose(cell, &dem, &tree, ellipsoid, range);
     }
 
-    /// Makes it hold ground of other heights than it was built of, until it is built again: nothing of that is culled, and beside it
-    /// prisms reach down as far as it may lie.
+    /// Widens the page to ground of other heights than it was built from, until it is built again. Nothing of that ground is culled, and
+    /// adjacent prisms extend down as far as it may be.
     pub(super) fn widen(&mut self, range: HeightRange) {
         let off_m = (range.high_m - self.low_m).max(self.high_m - range.low_m);
         self.border_m = self.border_m.max(off_m);
         let grows_m = (range.high_m - self.high_m).max(self.low_m - range.low_m);
-        // Along the normals of the cell's ground, which spread by far less than half a turn.
+        // Along the normals of the cell's ground, which diverge by far less than 180°.
         self.radius_m += grows_m.max(0.0);
         self.low_m = self.low_m.min(range.low_m);
         self.high_m = self.high_m.max(range.high_m);
     }
 
-    /// How far what is drawn on the border lies from the data, metres: at posts and between them.
+    /// Distance between the drawn terrain and the data on the border, metres: at posts and between them.
     fn border_m(
         &self,
         bounds: &Bounds,
@@ -273,7 +273,7 @@ impl Page {
         let tall_rad = bounds.north_rad - bounds.south_rad;
         let mut most_m = 0.0f64;
         for k in 0..2 * CELLS {
-            // A hair inside, where columns do not end.
+            // Slightly inside, where columns do not end.
             let part = (f64::from(k) / f64::from(2 * CELLS)).max(1e-4);
             for (u, v) in [
                 (part, 1e-4),
@@ -300,7 +300,7 @@ impl Page {
         most_m
     }
 
-    /// The prism and the ball around all that is drawn.
+    /// The prism and the ball around all drawn terrain.
     fn enclose(
         &mut self,
         cell: Cell,
@@ -312,13 +312,13 @@ impl Page {
         let up = dem.up();
         let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
         for node in &tree.nodes {
-            // Planes within convex columns: extremes are at corners.
+            // The parts of planes in convex columns have their extremes at corners.
             for corner in corners_m(&dem.column(node.span), &node.contour) {
                 lowest = lowest.min(up.dot(corner));
                 highest = highest.max(up.dot(corner));
             }
         }
-        // More than a column is widened by, and than rounding.
+        // More than the widening of a column, and more than rounding.
         let more_m = 1e-6 * tree.nodes[0].radius_m + 0.01;
         let column = dem.column(dem.span());
         let at = |height_m: f64| {

@@ -1,4 +1,4 @@
-//! The corners of a cell's patches, and what they become beside a coarser cell.
+//! The corners of a cell's patches, and their values beside a coarser cell.
 
 use super::super::hermite::{Corner, estimate, restrict};
 use super::ContourSurface;
@@ -16,28 +16,28 @@ pub const SIDES: [(i32, i32); 4] = [(-1, 0), (1, 0), (0, -1), (0, 1)];
 /// South-west, south-east, north-west, north-east.
 pub const DIAGONALS: [(i32, i32); 4] = [(-1, -1), (1, -1), (-1, 1), (1, 1)];
 
-/// Which neighbours of a cell are coarser.
+/// The coarser neighbours of a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CoarserNeighbours {
     /// A bit for each of [`SIDES`].
     pub sides: u8,
-    /// A bit for each of [`DIAGONALS`]: the corner belongs to a coarser cell too, across a side or not.
+    /// A bit for each of [`DIAGONALS`]: whether the corner belongs to a coarser cell too, across a side or not.
     pub corners: u8,
 }
 
 impl CoarserNeighbours {
-    /// A coarser cell lies beyond a side.
+    /// Whether there is a coarser cell beyond a side.
     pub fn side(self, k: usize) -> bool {
         self.sides >> k & 1 == 1
     }
 
-    /// A coarser cell touches a corner.
+    /// Whether a coarser cell touches a corner.
     pub fn corner(self, k: usize) -> bool {
         self.corners >> k & 1 == 1
     }
 }
 
-/// The spacing that heights of a cell's knots are asked for at, radians.
+/// The spacing at which heights of a cell's knots are requested, radians.
 pub fn knots_spacing_rad(cell: Cell) -> f64 {
     0.25 * f64::from(cell.steps() / PIECES) * STEP_RAD
 }
@@ -48,7 +48,7 @@ fn along(side: usize, m: usize) -> [usize; 2] {
     [[m, 0], [m, last], [0, m], [last, m]][side]
 }
 
-/// The knot of a cell at a lattice place, which must be one of its knots.
+/// The knot of a cell at a lattice point, which must be one of its knots.
 fn knot_at(cell: Cell, knots: &Knots, [x, y]: [u32; 2]) -> Corner {
     let [x0, y0] = cell.vertex(0, 0);
     let step = cell.steps() / PIECES;
@@ -57,7 +57,7 @@ fn knot_at(cell: Cell, knots: &Knots, [x, y]: [u32; 2]) -> Corner {
 }
 
 impl ContourSurface {
-    /// Height of a lattice place, longitudes of any turn, latitudes to the poles.
+    /// Height at a lattice point; longitudes wrap around, latitudes run to the poles.
     pub(super) fn height_m(
         &mut self,
         ground: &dyn Elevation,
@@ -65,7 +65,7 @@ impl ContourSurface {
         spacing_rad: f64,
     ) -> f64 {
         self.samples += 1;
-        // A pole is one point, whatever the size of the cells about it.
+        // A pole is one point, whatever the size of the cells around it.
         let spacing_rad = if y == 0 || y == TALL {
             0.0
         } else {
@@ -74,7 +74,7 @@ impl ContourSurface {
         ground.height_m(lat_rad(y), lon_rad(x), spacing_rad)
     }
 
-    /// The knots of a cell with neighbours of its own level.
+    /// The knots of a cell whose neighbours are at its own level.
     pub(super) fn knots(&mut self, ground: &dyn Elevation, cell: Cell) -> Knots {
         if let Some(knots) = self.known_knots.get(cell.key(), self.now) {
             return knots;
@@ -88,7 +88,7 @@ impl ContourSurface {
         let step = cell.steps() / PIECES;
         let spacing_rad = knots_spacing_rad(cell);
         let [x, y] = cell.vertex(0, 0);
-        // One more on each side; beyond a pole the pole again.
+        // One more on each side; beyond a pole, the pole again.
         let xs: [u32; KNOTS + 2] =
             std::array::from_fn(|i| (x + AROUND + i as u32 * step - step) % AROUND);
         let ys: [u32; KNOTS + 2] =
@@ -103,7 +103,7 @@ impl ContourSurface {
                 let near = std::array::from_fn(|b| std::array::from_fn(|a| heights[j + b][i + a]));
                 let mut corner = estimate(&near, west_east, south_north);
                 if middle == 0 || middle == TALL {
-                    // One place for all longitudes, from which the ground rises by each of them in its own way.
+                    // One point for all longitudes; along each of them the ground rises differently.
                     let twist = near[2][2] - near[2][0] - near[0][2] + near[0][0];
                     corner[1] = 0.0;
                     corner[3] = twist / (2.0 * f64::from(step) * f64::from(step));
@@ -118,7 +118,7 @@ impl ContourSurface {
         beside.is_some_and(|cell| cell.level > 0 && !self.is_cut(cell.parent()))
     }
 
-    /// Where coarser cells touch a leaf.
+    /// The sides and corners of a leaf that coarser cells touch.
     pub(super) fn coarser_neighbours(&self, cell: Cell) -> CoarserNeighbours {
         let is_coarser = |(dx, dy)| u8::from(self.is_coarser(cell.beside(dx, dy)));
         let mut coarser = CoarserNeighbours::default();
@@ -132,8 +132,8 @@ impl ContourSurface {
         coarser
     }
 
-    /// The knots of a leaf: where a coarser cell has one too it is that one's, and half-way between two of those what the
-    /// coarser edge says. Corners of a cell are knots of the coarser ones around, so nothing further away matters.
+    /// The knots of a leaf. Where a coarser cell has one too, its knot is used; halfway between two of those, the values of the coarser
+    /// edge. Corners of a cell are knots of the coarser ones around it, so nothing farther away matters.
     pub(super) fn stitched_knots(
         &mut self,
         ground: &dyn Elevation,

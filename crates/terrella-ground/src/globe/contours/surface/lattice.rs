@@ -47,7 +47,7 @@ impl Cell {
         }
     }
 
-    /// Angle of its side, radians.
+    /// Angle of the cell's side, radians.
     pub fn side_rad(self) -> f64 {
         f64::from(self.steps()) * STEP_RAD
     }
@@ -70,7 +70,7 @@ impl Cell {
         })
     }
 
-    /// The cell it is a quarter of; a block is its own.
+    /// The parent cell; a block is its own parent.
     pub fn parent(self) -> Self {
         if self.level == 0 {
             return self;
@@ -82,7 +82,7 @@ impl Cell {
         }
     }
 
-    /// The cell of its level beside it, across the date line too; none beyond a pole.
+    /// The adjacent cell at the same level, also across the date line; `None` beyond a pole.
     pub fn beside(self, dx: i32, dy: i32) -> Option<Self> {
         let (around, tall) = (COLUMNS << self.level, ROWS << self.level);
         let y = self.y.checked_add_signed(dy).filter(|y| *y < tall)?;
@@ -95,7 +95,7 @@ impl Cell {
         BLOCK_STEPS >> self.level
     }
 
-    /// Lattice place of vertex (i, j), 0…[`SEGMENTS`] from the south-west.
+    /// Lattice point of vertex (i, j), 0…[`SEGMENTS`] from the south-west.
     pub fn vertex(self, i: u32, j: u32) -> [u32; 2] {
         let step = self.steps() / SEGMENTS;
         [
@@ -104,7 +104,7 @@ impl Cell {
         ]
     }
 
-    /// Lattice place of a corner: 0…3 as [`Self::children`].
+    /// Lattice point of a corner: 0…3 as in [`Self::children`].
     pub fn corner(self, k: usize) -> [u32; 2] {
         self.vertex((k as u32 & 1) * SEGMENTS, (k as u32 >> 1) * SEGMENTS)
     }
@@ -121,7 +121,7 @@ impl Cell {
         }
     }
 
-    /// The block it lies in.
+    /// The block that contains the cell.
     pub fn block(self) -> Block {
         Block {
             column: self.x >> self.level,
@@ -129,20 +129,20 @@ impl Cell {
         }
     }
 
-    /// A power of two, metres: positions that it alone holds are multiples of it, and from an origin that is one too,
-    /// within [`ORIGIN_STEP_M`] of [`ORIGIN_HEIGHT_M`], they fit into the 24 bits of an f32 for all ground from −13 to
-    /// +11 km: 12 cm for a block, 1 mm from level 10 on.
+    /// A power of two, metres. Positions that only this cell holds are multiples of it. The origin is a multiple too, within
+    /// [`ORIGIN_STEP_M`] of [`ORIGIN_HEIGHT_M`]. Relative to it, the positions fit into the 24 bits of an f32 for all ground from −13 to
+    /// +11 km. The grain is 12 cm for a block, and 1 mm from level 10 on.
     pub fn grain_m(self) -> f64 {
         let reach_m = 2e6 / f64::from(1u32 << self.level) + 12e3 + ORIGIN_STEP_M;
         (reach_m / f64::from(1u32 << 24)).log2().ceil().exp2()
     }
 }
 
-/// Origins of patches are multiples of this, metres, so that a GPU holds them exactly as far as 16 000 km from the eye. A power
-/// of two, no finer than any grain.
+/// Origins of patches are multiples of this, metres, so that a GPU represents them exactly up to 16 000 km from the eye. A power of two, no
+/// finer than any grain.
 pub const ORIGIN_STEP_M: f64 = 1.0;
 
-/// Height of the origins of patches: in the middle of what ground there is on Earth.
+/// Height of the origins of patches, in the middle of the Earth's range of heights.
 pub const ORIGIN_HEIGHT_M: f64 = -1_000.0;
 
 /// Latitude of a lattice row, radians; exact at the poles.
@@ -158,7 +158,7 @@ pub fn lon_rad(x: u32) -> f64 {
     f64::from(x % AROUND) * STEP_RAD - PI
 }
 
-/// (cos, sin) of a row's latitude: the poles have no width at all.
+/// (cos, sin) of a row's latitude; the cosine is exactly 0 at the poles.
 pub fn cos_sin_lat(y: u32) -> (f64, f64) {
     match y {
         0 => (0.0, -1.0),
@@ -170,8 +170,8 @@ pub fn cos_sin_lat(y: u32) -> (f64, f64) {
     }
 }
 
-/// How far the middle of a square lies below its corners for the Earth's curvature alone, metres: the chord of each side below
-/// its arc, both ways.
+/// Depth of the middle of a square below its corners from the Earth's curvature alone, metres: the chord of each side below its arc, both
+/// ways.
 pub fn chord_m(ellipsoid: &Ellipsoid, arc_rad: f64) -> f64 {
     0.25 * arc_rad * arc_rad * ellipsoid.equatorial_radius_m
 }
@@ -195,7 +195,7 @@ pub fn ball(ellipsoid: &Ellipsoid, cell: Cell, low_m: f64, high_m: f64) -> (DVec
             }
         }
     }
-    // Between the nine places an edge bulges by no more than a sagitta of a quarter of it.
+    // Between the nine points an edge bulges by at most the sagitta of a quarter of it.
     let quarter = 0.25 * f64::from(cell.steps()) * STEP_RAD;
     (
         center,

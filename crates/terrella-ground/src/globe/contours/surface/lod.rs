@@ -10,20 +10,20 @@ use glam::DVec3;
 use std::cmp::Ordering;
 use std::f64::consts::FRAC_PI_2;
 
-/// What is known of a cell: its error and its bound.
+/// Error and bound of a cell.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct CellInfo {
-    /// Largest vertical distance of what is drawn from the data, where probed.
+    /// Largest vertical distance between drawn terrain and the data, at the probes.
     pub error_m: f32,
-    /// Lowest and highest that the ground reaches.
+    /// Lowest height of the ground.
     pub low_m: f32,
-    /// See [`Self::low_m`].
+    /// Highest height; see [`Self::low_m`].
     pub high_m: f32,
-    /// A ball that holds it, ITRF metres.
+    /// Centre of a ball that contains the cell, ITRF metres.
     pub center_m: DVec3,
-    /// See [`Self::center_m`].
+    /// Radius of that ball, metres; see [`Self::center_m`].
     pub radius_m: f64,
-    /// Heights have changed since it was evaluated. It still bounds them.
+    /// Heights have changed since the cell was evaluated. The values still bound them.
     pub is_stale: bool,
 }
 
@@ -55,10 +55,10 @@ impl PartialEq for CutCandidate {
 
 impl Eq for CutCandidate {}
 
-/// Squares along an edge of a cell whose data's range is looked at: one to each patch.
+/// Squares along an edge of a cell for which the range of the data is queried: one to each patch.
 const PARTS: usize = PIECES as usize;
 
-/// Patches that are written in the time in which a cell is measured, about.
+/// Approximate number of patches that are written in the time in which a cell is measured.
 pub(super) const WRITTEN_PER_MEASURED: u32 = 12;
 
 impl ContourSurface {
@@ -69,12 +69,12 @@ impl ContourSurface {
         let [x, y] = cell.vertex(0, 0);
         let segment = cell.steps() / SEGMENTS;
         let mut error_m = 0.0f64;
-        // By part, what is drawn and what the data are where they were read.
+        // By part, the range of the drawn terrain and the data at the points read.
         let nothing = (f64::INFINITY, f64::NEG_INFINITY);
         let mut seen = [[nothing; PARTS]; PARTS];
         let within = |(low, high): (f64, f64), z: f64| (low.min(z), high.max(z));
-        // In half segments: where a patch is furthest from its knots, and in the middle of each square, which lies on the
-        // diagonal of its triangles.
+        // In half segments: where a patch is farthest from its knots, and in the middle of each square, which is on the diagonal of its
+        // triangles.
         for j in 0..=2 * SEGMENTS {
             for i in 0..=2 * SEGMENTS {
                 let (m, n) = ((i / 2) as usize, (j / 2) as usize);
@@ -96,13 +96,13 @@ impl ContourSurface {
             }
         }
         let size_rad = f64::from(cell.steps()) * STEP_RAD;
-        // The chord of a segment below the arc, both ways.
+        // Depth of the chord of a segment below the arc, both ways.
         let arc = size_rad / f64::from(SEGMENTS);
         error_m += chord_m(&self.options.ellipsoid, arc);
         let bounds = cell.bounds();
-        // Of the data at their finest: at any spacing the mean of the whole Earth would count too.
+        // At the finest spacing: averaging would include the mean of the whole Earth.
         let range = ground.range_up_to_m(&bounds, 0.0);
-        // Where data are no finer than what was read there is nothing between.
+        // If the data are no finer than the samples read, there is nothing between them.
         let (lat, lon) = (
             0.5 * (bounds.south_rad + bounds.north_rad),
             bounds.west_rad + 0.5 * size_rad,
@@ -110,7 +110,7 @@ impl ContourSurface {
         if arc > ground.finest_spacing_rad(lat, lon) {
             error_m = error_m.max(missed_m(ground, &bounds, &range, &seen));
         }
-        // Cubics may leave the range of their data.
+        // Cubics may exceed the range of their data.
         let heights = drawn.iter().flatten().map(|corner| corner[0]);
         let (low, high) = heights.fold((range.low_m, range.high_m), within);
         let (low_m, high_m) = (low as f32 - 1.0, high as f32 + 1.0);
@@ -127,11 +127,11 @@ impl ContourSurface {
         info
     }
 
-    /// Forgets what was made of heights that have changed. What is known of cells is widened to hold them, and stays until it is
-    /// found again.
+    /// Drops what was derived from changed heights. The info of cells is widened to contain the new heights, and stays until it is
+    /// evaluated again.
     pub(super) fn forget_changed(&mut self, changes: &[HeightChange]) {
         let ellipsoid = self.options.ellipsoid;
-        // Knots of the cell, and of a coarser one beside it, reach so far beyond it.
+        // Knots of the cell, and of a coarser one beside it, extend this far beyond it.
         let is_touched = |cell: Cell, change: &HeightChange| {
             change.touches(&cell.bounds(), cell.side_rad(), 0.0)
         };
@@ -140,7 +140,7 @@ impl ContourSurface {
             let mut is_wider = false;
             for change in changes.iter().filter(|change| is_touched(cell, change)) {
                 let HeightRange { low_m, high_m } = change.range;
-                // Cubics may leave the range of their data.
+                // Cubics may exceed the range of their data.
                 let more_m =
                     OVERSHOOT * (high_m.max(info.high_m.into()) - low_m.min(info.low_m.into()));
                 let (low, high) = (
@@ -157,7 +157,7 @@ impl ContourSurface {
             }
             true
         });
-        // Unlike errors, knots know heights at their own spacing alone, except a pole's.
+        // Unlike errors, knots depend on heights at their own spacing alone, except a pole's.
         let is_same = |cell: Cell| {
             let bounds = cell.bounds();
             let poleward_rad = bounds.north_rad.max(-bounds.south_rad) + cell.side_rad();
@@ -177,7 +177,7 @@ impl ContourSurface {
         }
     }
 
-    /// What is known of a cell, or else of the nearest one above it, with its own ball.
+    /// The info of a cell, or else of its nearest known ancestor, with its own ball.
     pub(super) fn nearest_info(&mut self, cell: Cell) -> CellInfo {
         let mut above = cell;
         let nothing = CellInfo {
@@ -206,7 +206,7 @@ impl ContourSurface {
         }
     }
 
-    /// Distance to the nearest of a cell, at least 1 m; none if it is certainly not seen.
+    /// Distance to the nearest point of a cell, at least 1 m; `None` if the cell is certainly not visible.
     pub(super) fn visible_distance_m(
         &self,
         culling: &CullingContext,
@@ -227,8 +227,8 @@ impl ContourSurface {
         self.cut_cells.get(cell.key()).is_some()
     }
 
-    /// Marks a cell as cut, all above it, and what must be cut beside it so that neighbours differ by one level at most.
-    /// Answers how many of those were not cut in the last frame; none if there is no room.
+    /// Marks a cell and its ancestors as cut. It also cuts adjacent cells, so that neighbours differ by one level at most. Returns how many
+    /// of all these were not cut in the last frame; `None` if there is no room.
     fn cut(&mut self, cell: Cell) -> Option<u32> {
         let mut fresh = 0;
         self.queue.clear();
@@ -252,8 +252,8 @@ impl ContourSurface {
         Some(fresh)
     }
 
-    /// Selects the cells to cut, those of the largest errors in pixels first. New cells are measured, and cells cut that
-    /// were not, within the budgets of a frame.
+    /// Selects the cells to cut, those of the largest errors in pixels first. New cells are measured, and newly cut, within the budgets of
+    /// a frame.
     pub(super) fn select_lod(
         &mut self,
         culling: &CullingContext,
@@ -263,13 +263,13 @@ impl ContourSurface {
         std::mem::swap(&mut self.cut_cells, &mut self.cut_before);
         self.cut_cells.clear();
         self.candidates.clear();
-        // Patches are written again all in one frame, so the time for them is taken from what can wait.
+        // Patches are rewritten all in one frame, so their time is taken from work that can wait.
         let rewritten = std::mem::take(&mut self.to_rewrite) / WRITTEN_PER_MEASURED;
         let measured = self.options.measured_per_frame;
         let mut evaluations = measured - rewritten.min(measured - measured / 4);
         let mut to_cut = self.options.cut_per_frame;
         for root in Cell::roots() {
-            // Blocks that are seen are known from the first frame on, beyond the budget.
+            // Visible blocks are evaluated from the first frame on, beyond the budget.
             let is_unknown = self.cell_infos.get(root.key(), self.now).is_none();
             let mut left = evaluations + u32::from(is_unknown);
             self.consider(culling, tolerance_px, ground, root, &mut left);
@@ -284,7 +284,7 @@ impl ContourSurface {
                     continue;
                 }
                 let Some(fresh) = self.cut(cell) else {
-                    // Beyond what the tables hold: the blocks as they are, which is always whole.
+                    // Beyond the capacity of the tables: draw the blocks uncut, which is always closed.
                     self.cut_cells.clear();
                     break;
                 };
@@ -296,7 +296,7 @@ impl ContourSurface {
         }
     }
 
-    /// Puts a cell among the candidates if its error shows.
+    /// Adds a cell to the candidates if its error is visible.
     fn consider(
         &mut self,
         culling: &CullingContext,
@@ -306,14 +306,14 @@ impl ContourSurface {
         evaluations: &mut u32,
     ) {
         let info = match self.cell_infos.get(cell.key(), self.now) {
-            // A part of the budget is kept for cells that nothing is known of.
+            // A part of the budget is reserved for cells without info.
             Some(info) if info.is_stale && *evaluations > self.options.measured_per_frame / 2 => {
                 *evaluations -= 1;
                 self.evaluate_cell(ground, cell)
             }
             Some(info) => info,
             None => {
-                // Not seen with what is known from above: not worth measuring.
+                // Not visible according to the info of its ancestors: not worth measuring.
                 let above = self.nearest_info(cell);
                 if *evaluations == 0 || self.visible_distance_m(culling, &above).is_none() {
                     return;
@@ -332,8 +332,8 @@ impl ContourSurface {
     }
 }
 
-/// By how much the data of a cell reach beyond what was seen in each part of it and around: a single summit, say.
-/// Nothing from a source that answers the same for all parts, which knows no more than that.
+/// Largest excess of a cell's data over the values seen in each part of it and around: a single summit, for example. 0 for a source that
+/// returns the same range for all parts, since it is not more specific.
 fn missed_m(
     ground: &dyn Elevation,
     bounds: &Bounds,
@@ -362,7 +362,7 @@ fn missed_m(
                     (low, high) = (low.min(part.0), high.max(part.1));
                 }
             }
-            // Ranges reach a little further than asked, and nothing was read beyond the cell: as steep as here, then.
+            // Ranges extend a little further than requested, and nothing was read beyond the cell: assume the same steepness there.
             let is_border = [i, j].iter().any(|k| *k == 0 || *k == PARTS - 1);
             let part = seen[j][i];
             let more = if is_border { part.1 - part.0 } else { 0.0 };

@@ -1,9 +1,9 @@
 //! Lookup tables of fixed size: a set-associative cache and a hash map. Nothing is allocated in a frame.
 
-/// Ways of a set: an entry may lie in any of so many neighbouring places.
+/// Ways of a set: an entry may be in any of this number of adjacent places.
 const WAYS: usize = 8;
 
-/// Spreads a key over the bits.
+/// Hashes a key.
 fn mix(key: u64) -> u64 {
     let key = (key ^ (key >> 31)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     key ^ (key >> 29)
@@ -16,13 +16,13 @@ struct Entry<T> {
     value: T,
 }
 
-/// Remembers values by key; of eight entries that fall together, the one longest unused makes way.
+/// A cache of values by key; of eight entries in one set, the least recently used one is evicted.
 pub struct SetCache<T> {
     entries: Vec<Entry<T>>,
 }
 
 impl<T: Copy + Default> SetCache<T> {
-    /// Room for 2^`bits` entries.
+    /// Allocates room for 2^`bits` entries.
     pub fn new(bits: u32) -> Self {
         let empty = Entry {
             key: u64::MAX,
@@ -39,14 +39,14 @@ impl<T: Copy + Default> SetCache<T> {
         &mut self.entries[at..at + WAYS]
     }
 
-    /// The value of a key, if it is still known. `now` grows from frame to frame.
+    /// The value of a key, if it is still cached. `now` increases from frame to frame.
     pub fn get(&mut self, key: u64, now: u64) -> Option<T> {
         let entry = self.set(key).iter_mut().find(|entry| entry.key == key)?;
         entry.used = now;
         Some(entry.value)
     }
 
-    /// Remembers a value.
+    /// Stores a value.
     pub fn put(&mut self, key: u64, now: u64, value: T) {
         let set = self.set(key);
         let place = set
@@ -61,7 +61,7 @@ impl<T: Copy + Default> SetCache<T> {
         };
     }
 
-    /// Looks at all that is remembered; what `keep` says no to is forgotten.
+    /// Visits all entries; those for which `keep` returns false are dropped.
     pub fn retain(&mut self, mut keep: impl FnMut(u64, &mut T) -> bool) {
         for entry in &mut self.entries {
             if entry.key != u64::MAX && !keep(entry.key, &mut entry.value) {
@@ -76,7 +76,7 @@ impl<T: Copy + Default> SetCache<T> {
     }
 }
 
-/// A hash map of keys to numbers that is cleared at once.
+/// A hash map of keys to numbers that can be cleared at once.
 pub struct KeyMap {
     slots: Vec<(u64, u32, u32)>,
     round: u32,
@@ -84,7 +84,7 @@ pub struct KeyMap {
 }
 
 impl KeyMap {
-    /// Room for 2^`bits` slots, of which half may be taken.
+    /// Allocates 2^`bits` slots, of which half may be used.
     pub fn new(bits: u32) -> Self {
         Self {
             slots: vec![(0, 0, 0); 1 << bits],
@@ -93,7 +93,7 @@ impl KeyMap {
         }
     }
 
-    /// Forgets all.
+    /// Removes all keys.
     pub fn clear(&mut self) {
         self.round = self.round.wrapping_add(1);
         self.count = 0;
@@ -131,7 +131,7 @@ impl KeyMap {
         true
     }
 
-    /// Keys held.
+    /// Number of keys.
     pub fn len(&self) -> usize {
         self.count
     }

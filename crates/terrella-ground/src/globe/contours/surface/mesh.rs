@@ -15,17 +15,17 @@ use terrella_frames::Ellipsoid;
 const SIDE: usize = SEGMENTS as usize + 1;
 /// Vertices of a cell.
 pub const VERTICES: usize = SIDE * SIDE;
-/// Heights at a pole are rounded to this, so that cells of all levels hold them exactly.
+/// Heights at a pole are rounded to this, so that cells of all levels represent them exactly.
 const POLE_GRAIN_M: f64 = 1.0 / 64.0;
-/// Cosines of the latitudes between which slopes become those of the ground about a vertex. Towards a pole the columns draw
-/// together, until the heights of two of them tell more of the data's rounding than of a slope.
+/// Cosines of the latitudes between which slopes change to those of the ground around a vertex. Towards a pole the columns converge, until
+/// the heights of two of them differ more by the data's rounding than by a slope.
 const POLAR: (f64, f64) = (0.10, 0.18);
 
 /// Heights and derivatives at the vertices of a cell, `[row from the south][column from the west]`.
 pub type Vertices = [[Corner; SIDE]; SIDE];
 
-/// Each patch by its corners, the middles of its edges and its own: each half-way between two. On an edge they follow from
-/// the two ends alone, by the same operations for the cells on both sides.
+/// Each patch by its corners, the middles of its edges and its own middle: each is halfway between two. On an edge they depend on the two
+/// ends alone, by the same operations for the cells on both sides.
 pub fn vertices(cell: Cell, knots: &Knots) -> Vertices {
     let steps = f64::from(cell.steps() / PIECES);
     let halved = |row: &[Corner; KNOTS]| -> [Corner; SIDE] {
@@ -44,7 +44,7 @@ pub fn vertices(cell: Cell, knots: &Knots) -> Vertices {
     })
 }
 
-/// Sixteen index lists: on sides of the mask (west, east, south, north) only every other vertex is used.
+/// Sixteen index lists: on sides in the mask (west, east, south, north) only every other vertex is used.
 pub fn indices() -> [Arc<TriangleList>; 16] {
     std::array::from_fn(|mask| {
         let n = SEGMENTS;
@@ -74,17 +74,17 @@ pub fn indices() -> [Arc<TriangleList>; 16] {
     })
 }
 
-/// Whether some vertices of a cell take the slope of the ground about them, so that its knots do not say all.
+/// Whether some vertices of a cell use the slope of the ground around them, so that its knots alone do not determine them.
 pub fn reads_slopes(cell: Cell) -> bool {
     [0, SEGMENTS]
         .iter()
         .any(|j| cos_sin_lat(cell.vertex(0, *j)[1]).0 < POLAR.1)
 }
 
-/// Writes the vertices of a cell into a patch, and answers how many heights it read.
+/// Writes the vertices of a cell into a patch, and returns the number of heights read.
 ///
-/// Positions follow from lattice places and heights, in f64, then are rounded to the grain of the coarsest cell that
-/// holds them ([`Cell::grain_m`]). The origin is a multiple of all grains, so origin + f32 gives the same f64 on both sides.
+/// Positions follow from lattice points and heights, in f64, and are rounded to the grain of the coarsest cell that contains them
+/// ([`Cell::grain_m`]). The origin is a multiple of all grains, so origin + f32 is the same f64 on both sides.
 pub fn write(
     ellipsoid: &Ellipsoid,
     ground: &dyn Elevation,
@@ -132,7 +132,7 @@ pub fn write(
             };
             let mut slope = DVec2::new(zu / east_m.max(1e-9), zv / north_m);
             if polar > 0.0 {
-                // As wide as the derivatives of the cells' knots, the coarser one's where it has the vertex too.
+                // As wide as the derivatives of the cells' knots, or the coarser one's if it has the vertex too.
                 let spacing_rad = if shared { 4.0 } else { 2.0 } * segment_rad;
                 let lon = lon_rad(cell.vertex(i as u32, 0)[0]);
                 let about = ground.slope(ellipsoid, lat_rad(y), lon, spacing_rad);
@@ -155,7 +155,7 @@ pub fn write(
     samples
 }
 
-/// Whether a coarser cell holds the vertex too.
+/// Whether a coarser cell has the vertex too.
 fn shared(coarser: CoarserNeighbours, i: usize, j: usize) -> bool {
     let n = SIDE - 1;
     if (i == 0 || i == n) && (j == 0 || j == n) {

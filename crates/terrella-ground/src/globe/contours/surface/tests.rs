@@ -4,7 +4,7 @@ use crate::elevation::{Bounds, HeightRange};
 use glam::Vec3;
 use std::collections::HashMap;
 
-/// Heights by a formula of latitude and longitude, degrees.
+/// Heights from a formula of latitude and longitude, degrees.
 struct Formula {
     height: fn(f64, f64) -> f64,
     range: (f64, f64),
@@ -126,7 +126,7 @@ fn place(patch: &Patch, vertex: u32) -> DVec3 {
     patch.origin_itrf_m + patch.vertices[vertex as usize].from_origin_m.as_dvec3()
 }
 
-/// Edges that are not shared by exactly two triangles, of the whole Earth, and all triangles with area.
+/// Number of edges of the whole Earth that are not shared by exactly two triangles, and number of triangles with area.
 fn open_edges(surface: &ContourSurface) -> (usize, usize) {
     let bits = |p: DVec3| (p + DVec3::ZERO).to_array().map(f64::to_bits);
     let mut edges: HashMap<([u64; 3], [u64; 3]), i32> = HashMap::new();
@@ -171,7 +171,7 @@ fn the_whole_earth_is_watertight() {
             let mut surface = ContourSurface::new(options(40));
             surface.cull = false;
             let view = view(lat, lon, height_m, None, 1.0);
-            // While it becomes sharp, and after.
+            // While it is being refined, and after.
             let mut stats = SurfaceStats::default();
             for k in 0..4 {
                 stats = surface.prepare(&view, &ground);
@@ -257,7 +257,7 @@ fn what_is_drawn_is_as_near_to_the_data_as_it_says() {
                     error_px <= tolerance_px,
                     "{name}: not settled within the tolerance"
                 );
-                // Probes miss a part of what a wave does between, and patches at an edge go over into the coarser one's.
+                // Probes miss a part of a wave between them, and patches at an edge blend into the coarser one's.
                 assert!(worst <= 2.0 * error_m + 0.2);
             }
         }
@@ -299,7 +299,7 @@ fn odd_views_are_answered() {
                             );
                         }
                     });
-                    // From below the ground looking down nothing is seen.
+                    // From below the ground looking down, nothing is visible.
                     let may_be_none = towards.is_some() || height_m < 0.0;
                     assert!(patches > 0 || may_be_none, "{name} {lat} {lon} {height_m}");
                     if tolerance_px == 1e12 {
@@ -343,7 +343,7 @@ fn fewer_cells_are_measured_while_patches_are_written_anew() {
         });
         count
     };
-    // Heights have changed everywhere: at all spacings, and at those alone that no knot knows.
+    // Heights have changed everywhere: at all spacings, or only at spacings that no knot uses.
     for below_rad in [f64::INFINITY, 1e-12] {
         let mut surface = ContourSurface::new(options(300));
         let patches = settle(&mut surface, &view, &ground).patches;
@@ -357,14 +357,14 @@ fn fewer_cells_are_measured_while_patches_are_written_anew() {
         let before = stale(&mut surface);
         surface.prepare(&view, &ground);
         let measured = before - stale(&mut surface);
-        // Half of the budget is kept for cells that nothing is known of, and there are none.
+        // Half of the budget is reserved for cells without known values, and there are none.
         let written = if below_rad > 1.0 { patches } else { 0 };
         let expected = (budget / 2).saturating_sub(written / WRITTEN_PER_MEASURED);
         assert_eq!(measured, expected, "of {before}, {patches} patches");
     }
 }
 
-/// A summit of 9 000 m that is 200 m wide, from a source that knows where it is.
+/// A summit of 9 000 m that is 200 m wide, from a source whose ranges locate it.
 struct Summit;
 
 impl Elevation for Summit {
@@ -411,7 +411,7 @@ fn a_single_summit_between_the_probes_is_found() {
     assert!(highest > 7_000.0);
 }
 
-/// Every place that the eye really sees lies in a drawn patch.
+/// Every place that is truly visible to the eye is in a drawn patch.
 #[test]
 fn nothing_seen_is_left_out() {
     let (_, ground) = grounds().remove(1);
@@ -437,7 +437,7 @@ fn nothing_seen_is_left_out() {
             let p = Ellipsoid::WGS84.surface_point(up)
                 + up * ground.height_m(at.lat_rad, at.lon_rad, 0.0);
             let clip = view.clip_from_eye * (p - view.eye_itrf_m).extend(1.0);
-            // On screen and facing the eye by the ellipsoid's normal.
+            // On screen, and facing the eye by the ellipsoid's normal.
             let on = clip.w > 0.0 && clip.x.abs() < clip.w && clip.y.abs() < clip.w;
             if !on || up.dot(view.eye_itrf_m - p) < 0.0 {
                 continue;
@@ -481,14 +481,14 @@ fn slopes_near_the_poles_are_those_of_the_ground() {
         settle(&mut surface, &view(lat, lon, height_m, None, 1.0), &ground);
         let (mut polar, mut at_pole, mut worst, mut worst_at_pole) = (0, 0, 0.0f64, 0.0f64);
         surface.for_each_patch(&mut |patch| {
-            // Larger cells take their slopes over more than the hill.
+            // Larger cells compute their slopes over more than the hill.
             if patch.key >> 56 < 3 {
                 return;
             }
             for k in 0..patch.vertices.len() as u32 {
                 let p = place(patch, k);
                 let is_pole = p.x == 0.0 && p.y == 0.0;
-                // All vertices of a row stand at a pole, each for the longitude of the one beside it.
+                // All vertices of a row are at a pole, each for the longitude of the adjacent one.
                 let beside = if p.z > 0.0 { k.wrapping_sub(9) } else { k + 9 };
                 let lon_rad = if is_pole {
                     let q = place(patch, beside);

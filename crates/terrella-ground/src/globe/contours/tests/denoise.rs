@@ -1,4 +1,4 @@
-//! Single wrong heights taken out of a DEM before planes are fitted to it.
+//! Removal of single wrong heights from a DEM before planes are fitted to it.
 
 use super::ground::{fractal, noise};
 use crate::elevation::{Denoise, Denoised};

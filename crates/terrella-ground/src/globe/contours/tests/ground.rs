@@ -5,7 +5,7 @@ use terrella_frames::Ellipsoid;
 use terrella_ground::elevation::{Bounds, fractal_heights_m};
 use terrella_ground::globe::contours::dem::{Dem, DemFrame};
 
-/// Numbers in −1…1 that look random.
+/// Pseudorandom numbers in −1…1.
 pub fn noise(seed: &mut u64) -> f64 {
     *seed = seed
         .wrapping_mul(6_364_136_223_846_793_005)
@@ -13,7 +13,7 @@ pub fn noise(seed: &mut u64) -> f64 {
     (*seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
 }
 
-/// Midpoint displacement over n × n samples, n = 2ᵏ + 1, 90 m apart: relief of about 1 500 m.
+/// Midpoint displacement over n × n samples, n = 2ᵏ + 1, 90 m apart: a height range of about 1 500 m.
 pub fn fractal(n: u32, seed: u64) -> Dem {
     let heights = fractal_heights_m(n, seed, 900.0 * f64::from(n) / 129.0, 0.5);
     let heights = heights.into_iter().map(|z| (2_000.0 + z) as f32).collect();
@@ -21,7 +21,7 @@ pub fn fractal(n: u32, seed: u64) -> Dem {
     Dem::new(n, n, heights, DemFrame::Flat { step_m }).unwrap()
 }
 
-/// Heights by column and row, 70 m and 90 m apart.
+/// A flat grid of heights by column and row, 70 m and 90 m apart.
 pub fn flat(columns: u32, rows: u32, f: impl Fn(u32, u32) -> f32) -> Dem {
     let heights = (0..columns * rows)
         .map(|k| f(k % columns, k / columns))

@@ -151,7 +151,7 @@ fn casting_finds_what_looking_at_every_leaf_finds() {
 
 #[test]
 fn a_ray_meets_the_ground_where_marching_over_the_data_does() {
-    // Bilinear heights, marched in steps of 1 m, on rays that look down steeply enough for one tolerance of height.
+    // Bilinear heights, marched in steps of 1 m, on rays steep enough for one tolerance of height.
     let dem = fractal(129, 9);
     let DemFrame::Flat { step_m } = dem.frame() else {
         panic!()
@@ -183,7 +183,7 @@ fn a_ray_meets_the_ground_where_marching_over_the_data_does() {
             let hit = tree.cast(&dem, &ray).unwrap();
             let off =
                 (from_m + towards * hit.distance_m).z - height(from_m + towards * hit.distance_m);
-            // A wall stands where two planes disagree: there the ray is between the two.
+            // There is a wall where two planes disagree: the ray is then between the two.
             worst = worst.max(off.abs());
         }
         println!("tolerance {tolerance_m} m: {worst:.2} m from bilinear data at the hit");

@@ -1,4 +1,4 @@
-//! Frustum, horizon and faces together, as surfaces cull by them.
+//! Frustum, horizon and faces combined, as surfaces use them for culling.
 
 use super::*;
 
@@ -58,7 +58,7 @@ fn a_context_tells_all_that_is_inside_and_forgets_depth_alone() {
     let figure = Ellipsoid::WGS84;
     let eye = DVec3::X * 7e6;
     let view_from_eye = rh::view::look_to_mat4(DVec3::ZERO, DVec3::NEG_X, DVec3::Z);
-    // The far plane cuts the ground off.
+    // The far plane clips the ground.
     let view = GroundView {
         eye_itrf_m: eye,
         clip_from_eye: directx::perspective(1.0, 1.5, 1e3, 1e5) * view_from_eye,

@@ -1,4 +1,4 @@
-//! What lies outside the view frustum.
+//! Tests of the view frustum.
 
 use super::*;
 
@@ -24,13 +24,13 @@ fn the_frustum_keeps_every_ball_with_a_point_inside() {
             Containment::Outside => assert_eq!(inside, 0, "{round}"),
         }
         counts[kind as usize] += 1;
-        // Without depth it holds no less, and all that is before the eye between the four sides.
+        // Without depth planes it contains no less: everything in front of the eye between the four sides.
         let sides = frustum.without_depth();
         assert!(kind == Containment::Outside || !sides.excludes_ball(center, radius));
         let clip: DVec4 = clip_from_eye * center.extend(1.0);
         let is_beside = clip.x.abs() > clip.w || clip.y.abs() > clip.w;
         assert_eq!(sides.excludes_ball(center, 0.0), is_beside, "{round}");
-        // A step inwards from a side's foot point, along its normal, is inside of it.
+        // A step inwards from a side's foot point, along its normal, is inside it.
         let [left, right, bottom, top] = sides.side_normals().map(|normal| {
             let moved: DVec4 = clip_from_eye * (normal * 1e-3).extend(0.0);
             moved
@@ -102,7 +102,7 @@ fn a_rectangle_s_largest_product_is_that_of_its_points() {
 
 #[test]
 fn planes_exclude_a_rectangle_but_not_what_leans_out_of_it() {
-    // Upright ground of a very flat figure does not stand along the ray from the centre.
+    // Normals of a very flat figure are not along the ray from the centre.
     let figure = FIGURES[2];
     let range = HeightRange {
         low_m: 0.0,

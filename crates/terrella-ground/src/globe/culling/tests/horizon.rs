@@ -1,4 +1,4 @@
-//! What lies behind the horizon, and the radii between which ground lies.
+//! Tests of the horizon, and of the radii that bound the ground.
 
 use super::*;
 
@@ -11,7 +11,7 @@ fn no_ground_in_sight_is_behind_the_horizon() {
             let (foot, normal, point) = world.ground(random);
             let clearance_m = world.clearance_m(point);
             let radius_m = 10_f64.powf(random.between(-1.0, 6.0));
-            // The point on the rim of a ball.
+            // The point is on the rim of a ball.
             let center = point + random.direction() * radius_m * 0.999;
             let high_m = match random.part() < 0.5 {
                 true => world.range.high_m,
@@ -74,7 +74,7 @@ fn without_relief_the_horizon_is_exact() {
                 let foot = e.normalize() * theta.cos() + level * theta.sin();
                 let point = foot * figure.itrf_from_scaled();
                 let is_hidden = foot.dot(e) < 1.0;
-                // How far the foot is from the limb, in roundings of its place.
+                // Distance of the foot from the limb, in rounding errors of its position.
                 if (foot.dot(e) - 1.0).abs() < 1e-13 {
                     continue;
                 }
@@ -86,11 +86,11 @@ fn without_relief_the_horizon_is_exact() {
                     south: DVec2::new(foot.truncate().length(), foot.z),
                 };
                 assert_eq!(horizon.hides_rect(&rect), is_hidden, "{height_m} {theta}");
-                // A ray that grazes the ground misses its middle by less than a rounding.
+                // A ray that grazes the ground misses its middle by less than a rounding error.
                 if (theta / horizon.limb_rad() - 1.0).abs() > 0.05 {
                     let hides = horizon.hides_point(point);
                     assert_eq!(hides, is_hidden, "{height_m} {theta}");
-                    // Millimetres of slack for the ball.
+                    // The ball needs millimetres of slack.
                     let hides = horizon.hides_ball(point, 1e-3, 0.0);
                     assert!(hides == is_hidden || height_m < 1e3, "{height_m} {theta}");
                 }
@@ -119,7 +119,7 @@ fn heights_stay_between_their_radii_and_near_their_feet() {
                 assert!(point.length() <= highest_radius(&figure, height_m));
             }
             assert!(shell.lowest <= least && most <= shell.highest && lean <= shell.lean + 1e-15);
-            // And not by far.
+            // The bounds are tight.
             let slack = 0.35 * (high_m - low_m).max(high_m.abs()).max(low_m.abs()) / 4.8e6 + 1e-9;
             assert!(least - shell.lowest < slack && shell.highest - most < slack);
             assert!(shell.lean <= 1.6 * lean + 1e-15, "{} {lean}", shell.lean);
@@ -138,15 +138,15 @@ fn a_ball_is_hidden_by_shadow_or_by_horizon() {
     let at = |theta: f64, height_m: f64| {
         DVec3::new(theta.cos(), theta.sin(), 0.0) * (figure.equatorial_radius_m + height_m)
     };
-    // Beyond the limb by two degrees, deep in the shadow, but no horizon for ground of any height.
+    // Two degrees beyond the limb: deep in the shadow, but not beyond the horizon for ground of any height.
     let theta = horizon.limb_rad() + 0.035;
     assert!(horizon.hides_ball(at(theta, 0.0), 10.0, 1e6));
     assert!(!horizon.hides_ball(at(theta, 0.0), 1e5, 1e6));
-    // A ball that bulges out of the shadow, but has low ground alone, and is farther than this shows.
+    // A ball that bulges out of the shadow, but has only low ground and is farther than low ground is visible.
     let theta = horizon.limb_rad() + 0.3;
     assert!(horizon.hides_ball(at(theta, 0.0), 1.2e6, 0.0));
     assert!(!horizon.hides_ball(at(theta, 0.0), 1.2e6, 1e6));
-    // Ground that is declared lower than all is as the lowest.
+    // Ground declared lower than the lowest is treated as the lowest.
     assert!(!horizon.hides_ball(at(horizon.limb_rad() - 1e-3, 0.0), 10.0, -1e5));
 }
 
@@ -166,12 +166,12 @@ fn the_lowest_height_that_shows_is_where_sight_grazes() {
             for beyond in [1e-4, 0.01, 0.1, 0.5] {
                 let told_m = horizon.lowest_visible_m(limb + beyond);
                 let foot = up * (limb + beyond).cos() + aside * (limb + beyond).sin();
-                // In scaled space a height is between its parts of the two radii.
+                // In scaled space a height is between its fractions of the two radii.
                 let grazing = shell.lowest / beyond.cos() - 1.0;
                 let (a, b) = (figure.equatorial_radius_m, figure.polar_radius_m);
                 let least_m = (grazing * a).min(grazing * b);
                 assert!((told_m - least_m).abs() < 2e-3, "{told_m} {least_m}");
-                // What stands a little lower than sight grazes is hidden, and what is higher is not.
+                // A point a little below the grazing line of sight is hidden, and a point above it is not.
                 for (part, is_hidden) in [(1.0 - 1e-7, true), (1.0 + 1e-7, false)] {
                     let point = foot * (1.0 + grazing) * part * figure.itrf_from_scaled();
                     assert_eq!(horizon.hides_point(point), is_hidden, "{beyond} {part}");
@@ -220,7 +220,7 @@ fn an_eye_under_all_ground_hides_nothing_and_strange_ranges_are_defined() {
 
 #[test]
 fn ground_shows_as_far_as_the_law_says() {
-    // Brute force: the line from the eye to the top of a mountain cuts the occluder or does not.
+    // Brute force: the line from the eye to the top of a mountain intersects the occluder or does not.
     let unit = Ellipsoid {
         equatorial_radius_m: 1.0,
         polar_radius_m: 1.0,

@@ -1,24 +1,24 @@
-//! No black border: the grid's rectangle holds all ground that shows, and its triangles cover every pixel that shows some.
+//! No black border: the grid's rectangle contains all visible ground, and its triangles cover every pixel that shows ground.
 //!
-//! Two things can leave such a pixel black. The rectangle may end before the ground: never. Or the ground lies in it, between
-//! samples that are too far apart: a ridge that stands up into a corner of a very wide picture, where cells are as wide as those
-//! of its middle, or a far one behind slopes of 9°. Of a hundred thousand random views six have such pixels.
+//! There are two possible causes of such a black pixel. The rectangle may end before the ground; that never happens. Or the ground is in
+//! it, between samples that are too far apart. An example is a ridge that rises into a corner of a very wide image, where cells are as wide
+//! as those in its middle. Another is a far ridge behind slopes of 9°. Of a hundred thousand random views six have such pixels.
 
 use super::*;
 use proptest::prelude::*;
 
-/// Pixels across and down. Two more on each side are cast, so that the picture's edge is no silhouette.
+/// Pixels across and down. Two more on each side are cast, so that the image's edge is no silhouette.
 const SIZE: i32 = 64;
 const EDGE: i32 = 2;
-/// Most pixels of a random view between samples, of 4096; 59 were the most of a hundred thousand views.
+/// Largest number of pixels between samples in a random view, of 4096; the largest number in a hundred thousand views was 59.
 const MOST_MISSED: u32 = 205;
 
 fn ndc(pixel: i32) -> f64 {
     (f64::from(pixel) + 0.5) * 2.0 / f64::from(SIZE) - 1.0
 }
 
-/// Where a ray meets the ground, found by steps that the ground cannot be nearer than: a ray that falls at a rate r over
-/// ground no steeper than m comes (r + m) t + t²/2R nearer in t.
+/// Where a ray meets the ground, found by steps that the ground cannot be nearer than. A ray that descends at a rate r over ground no
+/// steeper than m comes (r + m) t + t²/2R nearer in t.
 fn meets(eye: DVec3, ray: DVec3, ground: &Ground, high_m: f64) -> Option<Geodetic> {
     let ray = ray.normalize();
     let steepest = ground.steepest();
@@ -40,7 +40,7 @@ fn meets(eye: DVec3, ray: DVec3, ground: &Ground, high_m: f64) -> Option<Geodeti
     panic!("a ray from {eye} along {ray} does not end");
 }
 
-/// Which pixels the patch covers. In homogeneous coordinates, so that triangles may reach behind the eye.
+/// The pixels that the patch covers, in homogeneous coordinates, so that triangles may extend behind the eye.
 fn covered(patch: &Patch, view: &GroundView) -> Vec<bool> {
     let mut covered = vec![false; (SIZE * SIZE) as usize];
     let offset = patch.origin_itrf_m - view.eye_itrf_m;
@@ -86,17 +86,17 @@ fn covered(patch: &Patch, view: &GroundView) -> Vec<bool> {
     covered
 }
 
-/// Pixels of a picture. Of those within two of a silhouette nothing is asked: there the drawn ground, averaged over its
-/// samples, may end earlier.
+/// Pixels of an image. Those within two pixels of a silhouette are not tested: there the drawn terrain, averaged over its samples, may end
+/// earlier.
 #[derive(Clone, Copy, Debug, Default)]
 struct Pixels {
-    /// See ground.
+    /// Pixels that show ground.
     seen: u32,
-    /// See ground that lies beyond the grid's rectangle.
+    /// Pixels that show ground beyond the grid's rectangle.
     beyond: u32,
-    /// See ground in the rectangle and are not covered.
+    /// Pixels that show ground in the rectangle and are not covered.
     missed: u32,
-    /// See none and are covered.
+    /// Pixels that show no ground and are covered.
     extra: u32,
 }
 
@@ -155,7 +155,7 @@ fn check(look: &Look, ground: &Ground, grid: &mut ProjectedGrid) -> Pixels {
     pixels
 }
 
-/// Whether a grid's rectangle holds a place of the ground.
+/// Whether a grid's rectangle contains a place on the ground.
 fn holds(frame: &GridFrame, place: Geodetic) -> bool {
     let caster = &frame.caster;
     let foot = Geodetic {
@@ -202,7 +202,7 @@ fn no_black_border_at_any_pitch_and_height() {
 
 #[test]
 fn no_black_border_along_a_flight() {
-    // One grid all the way, so that what it keeps from frame to frame is tried too.
+    // One grid for the whole flight, so that the state kept from frame to frame is tested too.
     let ground = Ground::Waves(0.0, 4_000.0, 300e3);
     let mut grid = ProjectedGrid::new(&GridOptions::on_cpu());
     let mut pixels = 0;
@@ -224,8 +224,8 @@ fn no_black_border_along_a_flight() {
 
 #[test]
 fn a_mountain_behind_the_horizon_is_drawn() {
-    // The tangent's law: a 9 km mountain shows from 2 km above the sea up to acos(R/(R + 2 km)) + acos(R/(R + 9 km)),
-    // 495 km away. One at 4° (445 km), of which a part stands over the sea's horizon, must be in the grid.
+    // The tangent's law: a 9 km mountain is visible from 2 km above the sea up to acos(R/(R + 2 km)) + acos(R/(R + 9 km)), 495 km away. One
+    // at 4° (445 km), partly above the sea's horizon, must be in the grid.
     let look = Look {
         lat: 10.0,
         lon: 20.0,
@@ -243,7 +243,7 @@ fn a_mountain_behind_the_horizon_is_drawn() {
     );
     assert_eq!(found.beyond + found.missed, 0, "{found:?}");
     let seen = found.seen;
-    // And it is seen over the flat sea's horizon: with the sea alone the picture holds less ground.
+    // It is visible over the flat sea's horizon: with the sea alone the image has less ground.
     let sea = check(
         &look,
         &Ground::Flat(-10.0),

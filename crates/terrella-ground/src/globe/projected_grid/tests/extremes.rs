@@ -1,8 +1,8 @@
-//! Views and grounds at the ends of their ranges.
+//! Views and grounds at the limits of their ranges.
 
 use super::*;
 
-/// Ground with a cliff, as a coarse picture would give it: the deepest sea west of 11° E, the highest mountains east.
+/// Ground with a cliff, as in a coarse image: the deepest sea west of 11° E, the highest mountains east.
 struct Cliff;
 
 impl Elevation for Cliff {
@@ -23,7 +23,7 @@ impl Elevation for Cliff {
     }
 }
 
-/// Prepares a view and holds what it answers to what every patch must be. The number of vertices drawn.
+/// Prepares a view and checks the result for what every patch must fulfil. Returns the number of vertices drawn.
 fn prepared(grid: &mut ProjectedGrid, view: &GroundView, ground: &dyn Elevation) -> usize {
     let stats = grid.prepare(view, ground);
     let mut vertices = 0;
@@ -50,7 +50,7 @@ fn as_many_vertices_at_every_height() {
     for height_m in [
         1.0, 100.0, 500.0, 2e3, 1e4, 1e5, 4e5, 2e6, 3.6e7, 3.8e8, 1e9,
     ] {
-        // Level views down to where the Earth fills little of the picture.
+        // Level views down to heights from which the Earth fills little of the image.
         let pitch = if height_m < 1e5 { 80.0 } else { 0.0 };
         let look = Look {
             height_m,
@@ -78,7 +78,7 @@ fn straight_up_there_is_nothing_unless_ground_is_that_high() {
     };
     let flat = Ground::Flat(0.0);
     assert_eq!(prepared(&mut grid, &up.view(&flat), &flat), 0);
-    // Up from the foot of the cliff: its ground may stand there, and the grid is all there.
+    // Up from the foot of the cliff: its ground may be there, and the grid is complete.
     let view = up.view(&flat);
     assert_eq!(prepared(&mut grid, &view, &Cliff), 129 * 129);
     assert_eq!(prepared(&mut grid, &view, &flat), 0);
@@ -166,12 +166,12 @@ fn depth_plays_no_part_in_the_rays() {
     }
     .view(&Ground::Flat(0.0));
     let infinite = ScreenPlane::new(&view.clip_from_eye).unwrap();
-    // Standard depth from 1 m to 1000 km: z = (far − near/depth …), any third row will do.
+    // Standard depth from 1 m to 1000 km: z = (far − near/depth …); any third row is valid.
     let mut rows = view.clip_from_eye.transpose();
     rows.z_axis = rows.w_axis * 1.000_001 + DVec4::new(0.0, 0.0, 0.0, -1.000_001);
     let finite = ScreenPlane::new(&rows.transpose()).unwrap();
     assert_eq!(infinite, finite);
-    // And the rays are those of the inverse matrix, from two depths.
+    // The rays equal those of the inverse matrix, from two depths.
     let inverse = view.clip_from_eye.inverse();
     for at in [DVec2::ZERO, DVec2::new(1.0, -1.0), DVec2::new(-0.7, 0.2)] {
         let point = |depth: f64| inverse.project_point3(at.extend(depth));
@@ -179,7 +179,7 @@ fn depth_plays_no_part_in_the_rays() {
         assert!(ray.distance(infinite.direction(at)) < 1e-12);
         assert!(infinite.place_of(ray).distance(at) < 1e-12);
     }
-    // Outside the picture, beside and behind the eye, there and back.
+    // Round trip outside the image, beside and behind the eye.
     for at in [
         DVec2::new(3.0, 2.0),
         DVec2::new(-5.0, 1.0),
@@ -218,7 +218,7 @@ fn steady_state_moves_no_memory() {
 
 #[test]
 fn triangles_face_up() {
-    // Seen from above counter-clockwise, also in a mirrored picture; those of no area are allowed.
+    // Counter-clockwise seen from above, also in a mirrored image; triangles without area are allowed.
     let ground = Ground::Flat(0.0);
     for mirror in [1.0, -1.0] {
         let look = Look {
@@ -242,7 +242,7 @@ fn triangles_face_up() {
                 let area = (b - a).cross(c - a);
                 let up = (patch.origin_itrf_m + a).normalize();
                 let size = (b - a).length() * (c - a).length();
-                // Samples above the limb all stand on it: slivers between those may turn either way.
+                // Samples above the limb are all on it: slivers between them may have either orientation.
                 assert!(area.dot(up) > -5e-3 * size, "{a} {b} {c}");
                 faces += usize::from(area.dot(up) > 1e-3 * size);
             }

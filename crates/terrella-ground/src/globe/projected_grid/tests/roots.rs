@@ -1,8 +1,8 @@
-//! Roots, limb and horizon against exact geometry.
+//! Roots, limb and horizon compared with exact geometry.
 
 use super::*;
 
-/// A number as the sum of two, 106 bits: enough to take roots by the textbook.
+/// A number as the sum of two, 106 bits: enough to compute roots by the textbook formula.
 #[derive(Clone, Copy)]
 struct Double(f64, f64);
 
@@ -55,7 +55,7 @@ impl Double {
     }
 }
 
-/// t of |e + t d| = s by the paper's own formula, in 106 bits. `None` where it misses.
+/// t of |e + t d| = s by the paper's own formula, in 106 bits. `None` if the ray misses.
 fn textbook(eye: DVec3, d: DVec3, s: f64) -> Option<f64> {
     let a = Double::dot(d, d);
     let b = Double::dot(eye, d);
@@ -90,7 +90,7 @@ fn roots_are_those_of_106_bits() {
                 let Cast::Hit(t) = cast(eye, d, 1.0) else {
                     panic!("{height_m} m, {below} rad under the limb: missed");
                 };
-                // An ulp of the ray or of the eye moves the place by that, over the sine of incidence.
+                // An ulp of the ray or of the eye moves the place by that amount, divided by the sine of incidence.
                 let root = -(eye + d * exact).dot(d);
                 let unit = f64::EPSILON * (1.0 + exact) * (1.0 + 1.0 / root);
                 let error = (t - exact).abs();
@@ -108,7 +108,7 @@ fn roots_are_those_of_106_bits() {
     assert!(worst < 8.0 && worst_naive > 1e3 * worst);
 }
 
-/// A caster over the ellipsoid itself or a base `base_m` high, for an eye so much over it.
+/// A caster over the ellipsoid itself, for an eye at `height_m`.
 fn caster(lat: f64, height_m: f64, spread_rad: f64) -> (Caster, DVec3) {
     let eye = Ellipsoid::WGS84.itrf_from_geodetic(Geodetic::from_degrees(lat, 33.0, height_m));
     let mut caster = Caster::new(&Ellipsoid::WGS84, eye, height_m);
@@ -135,7 +135,7 @@ fn places_lie_on_their_rays() {
                 let foot = caster.foot(d);
                 assert!((foot.place.length() - 1.0).abs() < 4e-15, "{foot:?}");
                 let to = foot.place * base * caster.radii_m - eye;
-                // The subtraction itself leaves nanometres.
+                // The subtraction itself has an error of nanometres.
                 let off = to.normalize().cross(d.normalize()).length();
                 let allowed = 1e-13 + 8e-9 / to.length();
                 assert!(off < allowed, "{lat}° {height_m} m {nadir}: {off}");
@@ -160,7 +160,7 @@ fn directions_and_places_are_each_other_s_inverse() {
                     .cross(caster.up)
                     .length()
                     .atan2(foot.place.dot(caster.up));
-                // By the limb of an unspread grid θ is a square root of the angle.
+                // Near the limb of an unspread grid, θ is a square root of the angle.
                 let by_limb = if spread == 0.0 { 2e-7 } else { 0.0 };
                 assert!(
                     (found - theta).abs() < 1e-9 * theta + 1e-11 + by_limb,
@@ -221,7 +221,7 @@ fn rays_that_miss_end_on_the_limb() {
                     place.dot(caster.up.cross(aside)).abs() < 1e-12,
                     "{height_m}"
                 );
-                // The line of sight there is tangent to the ground: across its normal.
+                // The line of sight there is tangent to the ground: perpendicular to its normal.
                 let base = (1.0 + caster.above) * caster.sin_limb;
                 let to = place * base * caster.radii_m - eye;
                 let normal = (place / caster.radii_m).normalize();

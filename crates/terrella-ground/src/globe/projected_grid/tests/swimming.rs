@@ -1,10 +1,10 @@
-//! How much drawn heights change at places that do not, while the eye moves.
+//! Changes of drawn heights at fixed places while the eye moves.
 
 use super::*;
 
 /// Rough ground: waves from 200 km down to 50 m, each half as long as the one before and 0.55 times as high.
 struct Rough {
-    /// Heights are averaged over the samples' spacing; else read as they are.
+    /// Whether heights are averaged over the samples' spacing or read unfiltered.
     filtered: bool,
 }
 
@@ -40,7 +40,7 @@ impl Elevation for Rough {
     }
 }
 
-/// The height that a patch draws at a place, or `None` where no triangle lies over it.
+/// The height that a patch draws at a place, or `None` if no triangle covers it.
 fn drawn(grid: &ProjectedGrid, lat: f64, lon: f64) -> Option<(f64, DVec3)> {
     let frame = grid.frame()?;
     let (columns, rows) = frame.samples;
@@ -57,7 +57,7 @@ fn drawn(grid: &ProjectedGrid, lat: f64, lon: f64) -> Option<(f64, DVec3)> {
     let north = normal.cross(east);
     let index = |i: i64, j: i64| (j * i64::from(columns) + i) as usize;
     let (i0, j0) = (cell.x.floor() as i64, cell.y.floor() as i64);
-    // The cell itself first, then those about it.
+    // The cell itself first, then those around it.
     for reach in 0..=1 {
         for j in j0 - reach..=j0 + reach {
             for i in i0 - reach..=i0 + reach {
@@ -93,19 +93,18 @@ fn drawn(grid: &ProjectedGrid, lat: f64, lon: f64) -> Option<(f64, DVec3)> {
 struct Scene {
     name: &'static str,
     look: Look,
-    /// Degrees of latitude and of heading a frame.
+    /// Degrees of latitude and of heading per frame.
     step: (f64, f64),
 }
 
 const FRAMES: usize = 8;
 
-/// Change a frame, root of the mean square and largest, and error against the ground itself, root of the mean square;
-/// pixels.
+/// Change per frame, root mean square and largest, and error compared with the ground itself, root mean square; pixels.
 fn swim(scene: &Scene, options: &GridOptions, ground: &Rough) -> (f64, f64, f64) {
     let flat = Ground::Flat(800.0);
     let mut grid = ProjectedGrid::new(options);
     let mut look = scene.look;
-    // Places that the first picture's rays meet, evenly over it.
+    // Places that the first image's rays hit, evenly over it.
     grid.prepare(&look.view(&flat), ground);
     let frame = *grid.frame().unwrap();
     let mut places = Vec::new();
@@ -206,7 +205,7 @@ fn heights_do_not_swim() {
                 told.push(result);
             }
         }
-        // The default, against the same grid with heights as they are.
+        // The default, compared with the same grid with unfiltered heights.
         let chosen = told[0];
         assert!(
             chosen.0 < 0.6 * unfiltered.0 && chosen.1 < 0.2,

@@ -3,7 +3,7 @@
 use super::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Waves that count how often they are read.
+/// Waves that count their reads.
 struct Counted(Ground, AtomicU64);
 
 impl Elevation for Counted {
@@ -66,7 +66,7 @@ fn only_newly_uncovered_tiles_are_loaded() {
     };
     let first = update(&look, &mut tiles);
     assert_eq!(first.wanted, first.loaded);
-    // The same view again: nothing. A step of 50 m: a few tiles, of hundreds.
+    // The same view again loads nothing. A step of 50 m loads a few tiles of hundreds.
     let again = update(&look, &mut tiles);
     assert_eq!((again.wanted, again.loaded), (first.wanted, 0));
     let (mut loaded, mut most) = (0, 0);
@@ -78,7 +78,7 @@ fn only_newly_uncovered_tiles_are_loaded() {
     }
     println!("{first:?}; then {loaded} tiles in 40 steps of 50 m, at most {most} a step");
     assert!(loaded > 0 && loaded < first.loaded && most < first.loaded / 4);
-    // Back: what is still there is not loaded again.
+    // Back again: tiles that are still there are not loaded again.
     look.lat -= 50.0 / 111e3;
     assert_eq!(update(&look, &mut tiles).loaded, 0);
 }
@@ -102,7 +102,7 @@ fn memory_is_bounded_and_loads_can_be_spread() {
         assert!(counts.loaded <= 4, "{counts:?}");
         evicted += counts.evicted;
         assert_eq!(tiles.resident_bytes(), bytes);
-        // The coarsest level is always there: no place is without a height.
+        // The coarsest level is always there: every place has a height.
         let (lat, lon) = look.place();
         if step > 0 {
             let height_m = tiles.height_m(lat, lon, 1e-5);
@@ -143,13 +143,13 @@ fn heights_of_tiles_are_the_ground_s() {
             let told = tiles.height_m(lat, lon, sample.spacing_rad);
             let true_m = ground.0.height_m(lat, lon, sample.spacing_rad);
             let foot = sample.place * frame.caster.radii_m + normal * true_m - frame.eye_itrf_m;
-            // In pixels of 1280 × 720, were the height seen from the side.
+            // In pixels of 1280 × 720, as if the height were seen from the side.
             let px = (told - true_m).abs() / foot.length() / (40.0_f64.to_radians() / 720.0);
             worst_px = worst_px.max(px);
             seen += 1;
         }
         println!("{lat}° {height_m} m: {seen} samples, {worst_px:.2} px at most");
-        // By a pole windows are cut.
+        // Near a pole windows are cut.
         let allowed_px = if lat.abs() > 89.0 { 4.0 } else { 1.0 };
         assert!(worst_px < allowed_px, "{lat} {height_m}: {worst_px} px");
     }

@@ -1,4 +1,4 @@
-//! What one view may do is bounded by counts, over the worst ground and after views were forgotten.
+//! The work of one view is bounded by counts, over the worst ground and after views were forgotten.
 
 use super::cracks::assert_closed;
 use super::{Posts, view, whole};
@@ -6,7 +6,7 @@ use crate::elevation::Elevation;
 use crate::globe::quadtree::{Quadtree, QuadtreeOptions};
 use crate::globe::surface::{GroundView, Surface};
 
-/// Counted work of a view, in its budgets: patches are divided past the end of one, and what lies beside them is built again.
+/// Upper bound of a view's counted work, in budgets: patches are divided past the end of one, and their neighbours are built again.
 const MOST_BUDGETS: u32 = 3;
 
 /// Cliffs of 20 km between samples 300 km apart.
@@ -19,7 +19,7 @@ fn above(ground: &Posts, lat_deg: f64, lon_deg: f64, above_m: f64, tilt_rad: f64
     view(lat_deg, lon_deg, ground_m + above_m, tilt_rad)
 }
 
-/// Prepares a view until nothing changes, within the bounds. Answers the error that is left, pixels.
+/// Prepares a view until nothing changes, within the bounds. Returns the remaining error, pixels.
 fn settle(surface: &mut Quadtree, view: &GroundView, ground: &Posts, most: u32) -> f64 {
     for _ in 0..most {
         let stats = surface.prepare(view, ground);
@@ -85,7 +85,7 @@ fn views_are_forgotten_within_the_budget_and_leave_the_same_leaves() {
         settle(&mut surface, &before, &ground, 300);
     }
     surface.forget_views();
-    // Coarse leaves all over the picture come first: after a few views none is much worse than the others.
+    // Coarse leaves all over the image are first: after a few views none is much worse than the others.
     let mut errors_px = Vec::new();
     for _ in 0..6 {
         errors_px.push(surface.prepare(&view, &ground).error_px.expect("a bound"));

@@ -7,16 +7,15 @@ use crate::globe::surface::{GroundView, Surface};
 use proptest::prelude::*;
 use std::collections::{HashMap, HashSet};
 
-/// A vertex by the bits of its place; −0 is 0.
+/// A vertex as the bits of its position; −0 is 0.
 type Corner = [u64; 3];
 
-/// Fails unless the triangles form one closed surface with the shape of a ball: every edge belongs to exactly two, which run
-/// along it in opposite directions, and corners − edges + faces = 2.
+/// Fails unless the triangles form one closed surface with the topology of a sphere. Every edge belongs to exactly two triangles, in
+/// opposite directions, and corners − edges + faces = 2.
 ///
-/// Where very large and very small leaves meet, or meridians do, points may stand on one step: triangles without area are
-/// then skipped, and slivers may share an edge, as often in one direction as in the other. The points need not be
-/// corners of one triangle: at a pole, the middles of two leaves beside each other may be one place, and the two triangles
-/// between them then cover each other.
+/// Where very large and very small leaves meet, or meridians do, points may be at the same step. Triangles without area are then skipped,
+/// and slivers may share an edge, equally often in both directions. The points need not be corners of one triangle. At a pole, the middles
+/// of two adjacent leaves may coincide, and the two triangles between them then cover each other.
 #[track_caller]
 pub fn assert_closed(surface: &Quadtree) {
     let mut edges: HashMap<(Corner, Corner), u32> = HashMap::new();
@@ -46,7 +45,7 @@ pub fn assert_closed(surface: &Quadtree) {
     assert!(is_ball || is_collapsed, "not one ball");
 }
 
-/// Views over all the Earth, poles and date line among them.
+/// Views over the whole Earth, including poles and date line.
 fn any_view() -> impl Strategy<Value = GroundView> {
     let lat = prop_oneof![-90.0..90.0_f64, Just(90.0), Just(-90.0), 89.0..90.0_f64];
     let lon = prop_oneof![-180.0..180.0_f64, Just(180.0), 179.0..181.0_f64];
@@ -77,7 +76,7 @@ proptest! {
             ..QuadtreeOptions::default()
         });
         for view in views {
-            // In the midst of an update as well as after it.
+            // During an update as well as after it.
             for _ in 0..3 {
                 surface.prepare(&view, &ground);
                 assert_closed(&surface);
@@ -110,7 +109,7 @@ fn no_edge_is_open_where_points_stand_on_one_step_at_a_pole() {
 
 #[test]
 fn no_edge_is_open_where_levels_far_apart_meet() {
-    // One peak on flat ground: leaves of the finest level stand beside coarse ones.
+    // One peak on flat ground: leaves of the finest level are next to coarse ones.
     for (column, row) in [(0, 64), (255, 1), (37, 127), (128, 0)] {
         let ground = Posts::new(128, |i, j| if (i, j) == (column, row) { 8e3 } else { 0.0 });
         let lat = 90.0 - row as f64 * 180.0 / 128.0;

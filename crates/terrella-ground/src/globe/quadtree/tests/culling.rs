@@ -1,4 +1,4 @@
-//! What is left out cannot be seen: compared with every face, and every ray to it.
+//! Culled patches are not visible: compared with every face, and every ray to it.
 
 use super::{Posts, placed, view};
 use crate::globe::quadtree::patch::BuiltPatch;
@@ -14,7 +14,7 @@ fn culled(max_leaves: u32) -> Quadtree {
     })
 }
 
-/// Whether a ray from the eye meets a triangle before `to`, both sides counted (Möller and Trumbore).
+/// Whether a ray from the eye hits a triangle before `to`, on either side (Möller and Trumbore).
 fn is_hit(eye: DVec3, to: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
     let (along, e1, e2) = (to - eye, b - a, c - a);
     let p = along.cross(e2);
@@ -30,8 +30,8 @@ fn is_hit(eye: DVec3, to: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
     u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && t < 1.0 - 1e-9
 }
 
-/// Faces of patches that are not drawn, and of those the ones that could be seen: turned to the eye, their middle in the
-/// picture, and nothing before them.
+/// Number of faces of patches that are not drawn, and of those that would be visible: they face the eye, their middle is in the image, and
+/// nothing is in front of them.
 fn lost(surface: &Quadtree, view: &GroundView) -> (usize, usize) {
     let faces = |is_drawn: bool| {
         let patches = surface
@@ -89,8 +89,8 @@ fn no_face_that_can_be_seen_is_left_out() {
 
 #[test]
 fn a_sudden_view_of_the_limb_loses_nothing() {
-    // From the ground, drawn finely, to far away in one frame that may not change a leaf: what is drawn is then hundreds of
-    // kilometres too low, and more is seen over it than over the ground.
+    // From the ground, drawn finely, to far away in one frame that may not change a leaf. The drawn terrain is then hundreds of kilometres
+    // too low, and more is visible over it than over the ground.
     let ground = Posts::rough(256, 9e3, 4);
     for (lat, lon, height_m, tilt) in [
         (40.0, 120.0, 3e5, 1.3),

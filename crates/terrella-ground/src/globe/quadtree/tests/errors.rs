@@ -1,4 +1,4 @@
-//! What is drawn lies as near to the data as is said.
+//! Drawn terrain is within the reported error of the data.
 
 use super::{Posts, for_each_triangle, placed, view, whole};
 use crate::elevation::Elevation;
@@ -7,8 +7,8 @@ use crate::globe::surface::{GroundView, Surface};
 use glam::DVec3;
 use terrella_frames::{Ellipsoid, Geodetic};
 
-/// Largest distance, metres and pixels, between a drawn point and the point of the data with the same share of latitude and
-/// longitude in its triangle. Triangles at a pole or over the date line are left out.
+/// Largest distance, metres and pixels, between a drawn point and its point of the data. The latter has the same share of latitude and
+/// longitude in its triangle. Triangles at a pole or over the date line are skipped.
 fn largest_error(surface: &Quadtree, view: &GroundView, ground: &dyn Elevation) -> (f64, f64) {
     let weights = [
         [0.34, 0.33, 0.33],
@@ -74,7 +74,7 @@ fn the_error_is_no_larger_than_is_said() {
                 "{which} from {height_m} m: {error_m} m of {said_m}, {error_px} px of {said_px}"
             );
             assert!(error_m <= said_m && error_px <= said_px, "{what}");
-            // Nor is the bound idle.
+            // The bound is not idle either.
             assert!(error_m > 0.02 * said_m, "{what}");
         }
     }
@@ -107,7 +107,7 @@ fn the_tolerance_is_kept() {
 
 #[test]
 fn frames_of_little_work_reach_the_tolerance_too() {
-    // Leaves outside the picture and behind the horizon must not hold up those in sight.
+    // Leaves outside the image and behind the horizon must not delay visible ones.
     for (rows, seed) in [(512, 5), (1024, 6)] {
         let ground = Posts::rough(rows, 9e3, seed);
         for (work, frames) in [(3_200, 100), (1_000, 200)] {
@@ -144,7 +144,7 @@ fn flat_ground_is_divided_for_its_curve_alone() {
     );
 }
 
-/// Single precision in metres from the Earth's centre would lose what patches with origins keep.
+/// Single precision in metres from the Earth's centre would lose the precision that patches with origins keep.
 #[test]
 fn earth_centred_single_precision_would_shake() {
     let ground = Posts::rough(512, 5e3, 6);
@@ -164,7 +164,7 @@ fn earth_centred_single_precision_would_shake() {
             let exact = placed(&built.patch, *place);
             let distance_m = exact.distance(view.eye_itrf_m);
             let pixel_m = distance_m * view.pixel_rad;
-            // As the shader does it: (origin − eye) rounded once, and the vertex added in single precision.
+            // As in the shader: (origin − eye) is rounded once, and the vertex added in single precision.
             let from_eye =
                 (built.patch.origin_itrf_m - view.eye_itrf_m).as_vec3() + vertex.from_origin_m;
             let off_m = from_eye.as_dvec3().distance(exact - view.eye_itrf_m);

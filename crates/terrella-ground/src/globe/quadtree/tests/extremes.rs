@@ -1,4 +1,4 @@
-//! Nothing breaks at the ends of what may be asked.
+//! Nothing breaks at the limits of the parameters.
 
 use super::{Posts, for_each_triangle, view, whole};
 use crate::elevation::Elevation;
@@ -169,7 +169,7 @@ fn memory_stays_within_the_budget() {
     assert!(most < 300 * 4_500 + 4_000 * 1_024, "{most} bytes");
 }
 
-/// Leaves of an earlier view must not take the room of those that this one needs.
+/// Leaves of an earlier view must not use the budget of those that this one needs.
 #[test]
 fn what_was_seen_before_leaves_no_trace() {
     let ground = Posts::rough(2048, 5e3, 3);

@@ -1,4 +1,4 @@
-//! What views and flights cost, in processor time and in counted work. Times are printed and never asserted:
+//! Cost of views and flights, in processor time and in counted work. Times are printed and never asserted:
 //!
 //! ```text
 //! cargo test -p terrella-ground --all-features --release -- --ignored --nocapture quadtree::tests::work
@@ -23,11 +23,11 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use terrella_frames::{Ellipsoid, Geodetic};
 
-/// Of the tiles of `mountains`.
+/// Levels of the tiles of `mountains`.
 const LEVELS: u8 = 9;
 const SIDE: u32 = 128;
 
-/// What calls of `prepare` took.
+/// Cost of calls of `prepare`.
 #[derive(Default)]
 struct Cost {
     times_ms: Vec<f64>,
@@ -54,7 +54,7 @@ impl Cost {
         stats
     }
 
-    /// Calls until nothing changes any more, `most` at most. Answers whether that was reached.
+    /// Calls `prepare` until nothing changes, at most `most` times. Returns whether that was reached.
     fn settle(
         &mut self,
         surface: &mut Quadtree,
@@ -99,7 +99,7 @@ fn print_head() {
     println!("|---|---|---|---|---|---|---|---|---|---|---|");
 }
 
-/// The leaves, as one number that does not depend on their order.
+/// The leaves as one number that does not depend on their order.
 fn leaf_set(surface: &Quadtree) -> String {
     let mut keys: Vec<[u64; 2]> = Vec::new();
     for built in &surface.patches {
@@ -120,7 +120,7 @@ fn textures(file: &str) -> Arc<HeightGrid> {
     Arc::new(heights.grid)
 }
 
-/// A degree of cliffs, a spike, a pit and rubble, as `terrella report --surfaces` flies over.
+/// A degree of cliffs, a spike, a pit and rubble, as in the flight of `terrella report --surfaces`.
 fn worst_case() -> HeightGrid {
     const SIDE: u32 = 700;
     let height_m = |row: u32, column: u32| -> f32 {
@@ -298,7 +298,7 @@ fn flights_of_the_study() {
                 &format!("error at most {told_px:.2} px"),
             );
         }
-        // A jump, as the study has it.
+        // A jump, as in the study.
         let mut surface = Quadtree::new(QuadtreeOptions::default());
         let middle = |at: usize| {
             flown(
@@ -317,7 +317,7 @@ fn flights_of_the_study() {
     }
 }
 
-/// Views whose pictures are compared with goldens.
+/// Views whose images are compared with goldens.
 #[test]
 #[ignore = "measures times"]
 fn views_of_goldens() {
@@ -387,7 +387,7 @@ fn extreme_views() {
     }
 }
 
-/// Processor time of the thread that draws, from an empty ground until a view 2 km high at rest settles over streamed heights.
+/// Processor time of the drawing thread, from empty ground until a view 2 km high at rest settles over streamed heights.
 #[test]
 #[ignore = "measures times"]
 fn settling_over_streamed_heights() {
