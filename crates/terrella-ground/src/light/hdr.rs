@@ -36,10 +36,10 @@ pub enum HdrTransfer {
     Hlg,
 }
 
-/// A picture of high dynamic range: the tone curve's up to its middle, with brighter light carried on to a peak luminance.
+/// A high dynamic range image. It follows the tone curve up to its middle, and extends brighter light to a peak luminance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hdr {
-    /// The codes.
+    /// Encoding of the codes.
     pub transfer: HdrTransfer,
     /// Luminance that the brightest light approaches, cd/m².
     pub peak_cd_m2: f64,
