@@ -13,7 +13,6 @@ use terrella::celestial::{CelestialOptions, CelestialSelection};
 ///
 /// The star catalogue and the maps of Milky Way and Moon come from the Earth's map folder. For [`EarthMaps::Memory`](crate::EarthMaps::Memory) they
 /// come from the starter maps. After a change the Earth is rebuilt.
-/// [`EarthMaps::Memory`](crate::EarthMaps::Memory) from the starter maps. After a change the Earth is made again.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 pub struct EarthCelestial {
