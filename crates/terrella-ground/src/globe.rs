@@ -5,7 +5,7 @@
 //! the lattice in f64, and [`select_blocks`] chooses the blocks that an eye needs. [`screen_level`] and [`paper_level`]
 //! choose the level of detail of the map, [`Meshes`] that of the lattice.
 //!
-//! A [`Surface`] draws terrain: it converts a view and heights into patches of triangles.
+//! A [`Surface`] draws terrain: it converts a view and heights into patches of triangles. The surfaces are
 //! `DisplacedBlocks`, `projected_grid`, `quadtree`, `contours` or `clipmap`; `SurfaceKind` names them. They need the feature
 //! `terrain`.
 //!
