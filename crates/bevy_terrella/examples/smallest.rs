@@ -12,7 +12,7 @@ fn main() {
 }
 
 fn spawn(mut commands: Commands) {
-    // World coordinates: metres from a point 420 km over Egypt, x east, y up, z south.
+    // The world: metres from a point 420 km over Egypt, x east, y up, z south.
     let place = Geodetic::from_degrees(28.0, 30.0, 420_000.0);
     let time = Epoch::from_gregorian_utc(2018, 6, 21, 9, 0, 0, 0);
     commands.spawn((
@@ -22,7 +22,7 @@ fn spawn(mut commands: Commands) {
         EarthClock { rate: 60.0 },
     ));
     commands.spawn((
-        // It includes a `Camera3d` and its requirements.
+        // With a `Camera3d`, and what that needs.
         EarthCamera::default(),
         Transform::default().looking_to(Vec3::new(0.0, -0.4, -1.0), Vec3::Y),
     ));
