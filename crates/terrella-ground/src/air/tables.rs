@@ -12,8 +12,8 @@
 //!
 //! A ray is described by its reference point: where it meets the ground or passes nearest to it. `Sun cosine` and `azimuth` are those of the Sun
 //! there; azimuth is measured from the ray's horizontal direction. All light is relative to the Sun's irradiance at the top, times π: a white sheet
-//! that faces the Sun in space is 1. For ground of albedo A the sums are `scattering + A/(1 − A·s)·bounce` and, on the ground, `(direct·cos + sky)/(1
-//! − A·s)`, with s = [`AirTables::sky_albedo`].
+//! that faces the Sun in space is 1. For ground of albedo A and s = [`AirTables::sky_albedo`], the sum along a ray is
+//! `scattering + A/(1 − A·s)·bounce`. On the ground it is `(direct·cos + sky)/(1 − A·s)`.
 //!
 //! [`AirAboveClouds`] repeats the tables of outside rays and of sunlight with a cloud layer in place of the ground.
 //!
@@ -79,8 +79,8 @@ pub const THROUGH: TableSize = TableSize::new(SCATTERING.x, 1, 1);
 pub const SUNLIGHT: TableSize = TableSize::new(256, 2, 1);
 /// Size of the sunlight table with two more rows for a scene's clouds: transmittance to them and skylight on them.
 pub const SUNLIGHT_AND_CLOUDS: TableSize = TableSize::new(SUNLIGHT.x, SUNLIGHT.y + 2, 1);
-/// [`SCATTERING`] with extra columns for rays that meet clouds. The last quarter is empty, so that halving coordinates needs no
-/// rounding.
+/// [`SCATTERING`] with extra columns for rays that meet clouds. The last quarter is empty, so that coordinates can be
+/// halved exactly.
 pub const SCATTERING_AND_CLOUDS: TableSize = TableSize::new(4 * RAYS, SCATTERING.y, SCATTERING.z);
 /// [`BOUNCE`] with the cloud columns.
 pub const BOUNCE_AND_CLOUDS: TableSize = TableSize::new(4 * RAYS, BOUNCE.y, 1);

@@ -1,9 +1,9 @@
 //! Dry land below the level of the sea.
 //!
-//! Below 0 m, grids of the whole Earth hold the floor of the sea and of lakes, rock below ice and, in a few basins, dry land. This module lists these
-//! basins. Elsewhere land is drawn at sea level, or slightly below where a map marks it as land ([`LandShares`](super::LandShares)). The box of a
-//! basin contains no sea coast. Its depth is that of its dry land or of its lake's surface. Beds of lakes, such as that of the Caspian Sea, are
-//! therefore not drawn.
+//! Below 0 m, grids of the whole Earth hold the floor of the sea and of lakes, and rock below ice. In a few basins they hold dry land. This module
+//! lists these basins. Elsewhere land is drawn at sea level, or slightly below where a map marks it as land ([`LandShares`](super::LandShares)). The
+//! box of a basin contains no sea coast. Its depth is that of its dry land or of its lake's surface. Beds of lakes, such as that of the Caspian Sea,
+//! are therefore not drawn.
 
 use super::Bounds;
 use std::sync::LazyLock;

@@ -1,6 +1,6 @@
 //! Reads elevation files.
 //!
-//! | file | where it lies | unit |
+//! | file | georeference | unit |
 //! |---|---|---|
 //! | GeoTIFF, BigTIFF: strips or tiles, compressed as [`tiff_chunks`](super::tiff_chunks) decodes | its own tags, the sidecar, or a world file | its own keys, or the sidecar |
 //! | PNG, grey, 8 or 16 bits | the sidecar, or a world file | the sidecar |

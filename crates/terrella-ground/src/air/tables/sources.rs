@@ -2,7 +2,7 @@
 //!
 //! Scattering by molecules depends exactly on the moments E = ∫L dω and M = ∫L d dᵀ dω of the incoming light. This holds because Rayleigh's phase
 //! function is a polynomial of second order. For the aerosol we keep the first three Legendre terms (and F = ∫L d dω), enough for light that was
-//! already scattered. The source function is J(v) = a0 + bx vx + bz vz + cxx vx² + czz vz² + cxz vx vz for a view direction v. z is up, and x is
+//! already scattered. The source function is J(v) = a0 + bx vx + bz vz + cxx vx² + czz vz² + cxz vx vz. Here v is the view direction, z is up, and x is
 //! horizontal towards the Sun. The orders follow the method of successive orders: collect light along rays from J, compute its moments, and form the
 //! next J. Rays follow the spherical Earth; light varies along them with the Sun's height.
 

@@ -3,8 +3,8 @@
 //! # Continuity in every state
 //!
 //! Let h_k be the heights of level k. Let D_k(p) be the distance of a place from the nearest non-resident tile of level k, in tiles of that level.
-//! The heights down to level k are g_k = g_(k+1) + w_k (h_k − g_(k+1)) with w_k = s(D_k / [`FEATHER`]), s smooth from 0 to 1. The coarsest level is
-//! always resident and unchanged.
+//! The heights down to level k are g_k = g_(k+1) + w_k (h_k − g_(k+1)). The weight is w_k = s(D_k / [`FEATHER`]), with s smooth from 0 to 1. The
+//! coarsest level is always resident and unchanged.
 //!
 //! h_k is continuous where tiles of level k are resident, because tiles repeat samples of their neighbours. w_k is continuous everywhere, and 0 where
 //! a tile ends. By induction g_k is continuous. D_k is not continuous towards the poles, where all meridians meet. All h_k therefore blend into one

@@ -1,8 +1,9 @@
 //! NetCDF-4, with files from the libraries' own writers (HDF5 2.0 of h5py 3.16, 2.2 of netCDF4
 //! 1.7.5).
-//!
-//! All hold the plane of the other files, south first and over the date line, 0.25° apart. `netcdf4_i16.nc`: netCDF4, packed by 0.5
-//! and 3000, chunks of 10 × 12 by shuffle, deflate and Fletcher's checksum, more attributes than a header holds, sample (16, 16)
+//! All files hold the plane of the other files, south first and across the date line, 0.25° apart. `netcdf4_i16.nc` is from
+//! netCDF4, packed by 0.5 and 3000, in chunks of 10 × 12 with shuffle, deflate and Fletcher's checksum. It has more attributes than
+//! a header holds, and sample (16, 16) is missing. The others are from h5py, by `create_dataset(name, z.shape, kind, …)` with
+//! scales attached to both dimensions:
 //! missing. The others: h5py, `create_dataset(name, z.shape, kind, …)` with scales attached to both dimensions:
 //!
 //! | file | `libver` | chunks | |
