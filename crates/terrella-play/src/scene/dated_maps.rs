@@ -70,11 +70,11 @@ pub struct DatedMaps {
 /// Maps at an epoch: one map, or a blend of two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BetweenMaps {
-    /// Place of the earlier in the list.
+    /// Index of the earlier map in the list.
     pub from: usize,
-    /// Place of the later; the same where there is none to pass into.
+    /// Index of the later map; the same index without a blend.
     pub to: usize,
-    /// How much of the later is drawn, 0 to below 1.
+    /// Weight of the later map, 0 to below 1.
     pub weight: f64,
 }
 

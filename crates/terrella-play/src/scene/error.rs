@@ -13,9 +13,9 @@ pub(super) const MAX_FILE_BYTES: u64 = 1 << 20;
 pub struct KeyLocation {
     /// The scene file.
     pub path: PathBuf,
-    /// Line of the file, from 1; `None` where the file does not give the key and its default is meant.
+    /// Line of the file, from 1; `None` for a default that the file does not give.
     pub line: Option<usize>,
-    /// The table's name; empty for what stands outside any table.
+    /// The table's name; empty for keys outside any table.
     pub table: String,
     /// The key; empty for a whole table.
     pub key: String,
@@ -73,7 +73,7 @@ pub enum SceneError {
         line: usize,
         /// Column in characters, from 1.
         column: usize,
-        /// What the TOML reader expected.
+        /// Expectation of the TOML reader.
         message: String,
         /// The text there.
         found: String,
@@ -90,7 +90,7 @@ pub enum SceneError {
     Missing {
         /// On the line of the first key that the table has.
         place: Box<KeyLocation>,
-        /// What the key is for, and how to write it.
+        /// The purpose of the key, and its syntax.
         remedy: String,
     },
     /// A file that is not a scene, and whose name does not suggest one.
@@ -104,7 +104,7 @@ pub enum SceneError {
         place: Box<KeyLocation>,
         /// The value as written, or the default.
         value: String,
-        /// What it must be, and why where that is not plain.
+        /// The accepted values, and the reason if it is not obvious.
         remedy: String,
     },
 }

@@ -18,11 +18,11 @@ use toml::Spanned;
 pub(super) struct Field<'r, T, R = ()> {
     pub(super) table: &'static str,
     pub(super) key: &'static str,
-    /// The unit of a number.
+    /// Unit of a number.
     pub(super) of: &'static str,
     pub(super) given: Option<&'r Spanned<T>>,
     pub(super) rule: R,
-    /// Where its reader notes what it comes to.
+    /// Destination of the key's effective value.
     pub(super) notes: &'r Notes,
 }
 

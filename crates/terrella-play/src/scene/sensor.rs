@@ -31,7 +31,7 @@ pub struct SensorTable {
 pub struct KernelError {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong with it, with the line where there is one.
+    /// The problem, with the line if known.
     pub problem: String,
 }
 

@@ -10,7 +10,7 @@ use toml::de::{DeTable, DeValue};
 pub struct Setting {
     table: String,
     key: String,
-    /// As TOML.
+    /// Value in TOML syntax.
     value: String,
 }
 
@@ -77,7 +77,7 @@ impl Setting {
 /// A scene's text with keys set. The original lines keep their numbers.
 pub(super) struct SetText {
     pub text: String,
-    /// Of [`line_starts`], without lines that were put in.
+    /// Result of [`line_starts`], without inserted lines.
     pub line_starts: Vec<usize>,
 }
 

@@ -20,9 +20,9 @@ use toml::Spanned;
 #[derive(Debug)]
 pub(super) struct Key {
     pub(super) name: &'static str,
-    /// What its value must be, to be read after "must be".
+    /// Accepted values, as the rest of a sentence after "must be".
     pub(super) expected: fn() -> String,
-    /// Where it has a meaning; `None` is everywhere.
+    /// Scope of the key; `None` means everywhere.
     pub(super) only: Option<&'static Only>,
     #[cfg(test)]
     pub(super) about: About,
@@ -31,9 +31,9 @@ pub(super) struct Key {
 /// Scope of a key.
 #[derive(Debug)]
 pub(super) struct Only {
-    /// To be read after "not used:".
+    /// Reason, as the rest of a sentence after "not used:".
     pub(super) why: &'static str,
-    /// The sources of `[orbit]` that it is for; none for keys of other tables.
+    /// The sources of `[orbit]` that use the key; empty for keys of other tables.
     pub(super) sources: &'static [OrbitSource],
 }
 
@@ -44,7 +44,7 @@ pub(super) struct About {
     pub(super) meaning: &'static str,
     pub(super) of: &'static str,
     pub(super) shape: fn() -> Shape,
-    /// Least and greatest number.
+    /// Smallest and largest number.
     pub(super) range: Option<[f64; 2]>,
     pub(super) default: Option<fn() -> serde_json::Value>,
 }

@@ -9,7 +9,7 @@ use std::path::Path;
 pub(super) struct SceneText<'a> {
     pub(super) path: &'a Path,
     pub(super) text: &'a str,
-    /// Of [`line_starts`].
+    /// Result of [`line_starts`].
     pub(super) line_starts: &'a [usize],
 }
 

@@ -30,7 +30,7 @@ pub enum ToneTable {
 pub struct ToneError {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong with it, with the line where there is one.
+    /// The problem, with the line if known.
     pub problem: String,
 }
 
