@@ -1,13 +1,13 @@
-//! What the Earth costs a frame of Bevy's beside what it costs a program that draws it with wgpu: the same view, size and samples.
+//! Frame cost of the Earth in Bevy, compared with a wgpu program that draws the same view at the same size and sample count.
 //!
 //! ```sh
 //! cargo bench --bench frame               # 60 rounds of 1280 × 720
 //! cargo bench --bench frame -- 20 640 360
 //! ```
 //!
-//! A round draws five frames of each of four kinds: Bevy with the Earth and without, the program with the Earth and without (its pass
-//! cleared). What the Earth costs is the difference of the medians with and without; the round's ratio is Bevy's by the program's. Every
-//! frame is waited for, its epoch is another, and the sky is computed for it.
+//! A round draws five frames of each of four kinds: Bevy with and without the Earth, and the program with and without it (its pass
+//! cleared). The Earth's cost is the difference of the medians with and without it. A round's ratio is Bevy's cost divided by the
+//! program's. The benchmark waits for every frame, changes its epoch and computes its sky.
 
 #[path = "../tests/render/headless.rs"]
 #[allow(dead_code)]
@@ -30,11 +30,11 @@ use std::time::Instant;
 use terrella::frames::Duration;
 use terrella::{EarthLayers, EarthOptions, FrameRequest, FrameTargets, Sky, wgpu};
 
-/// Frames of a kind in a round, after one that is not counted.
+/// Frames of a kind in a round, after an uncounted one.
 const FRAMES: usize = 5;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // Cargo adds a flag of its own.
+    // Cargo adds a flag.
     let numbers = std::env::args().skip(1).filter(|a| a != "--bench");
     let numbers: Vec<u32> = numbers.map(|a| a.parse()).collect::<Result<_, _>>()?;
     let rounds = numbers.first().copied().unwrap_or(60).max(1);
@@ -89,7 +89,7 @@ fn quartiles(all: &mut [f64]) -> String {
     format!("{:.3} ({:.3} to {:.3})", at(2), at(1), at(3))
 }
 
-/// The median of some frames, milliseconds, after one that is not counted.
+/// The median of some frames, milliseconds, after an uncounted one.
 fn median(mut frame: impl FnMut() -> Result<(), Box<dyn Error>>) -> Result<f64, Box<dyn Error>> {
     frame()?;
     let mut times = Vec::with_capacity(FRAMES);
@@ -102,7 +102,7 @@ fn median(mut frame: impl FnMut() -> Result<(), Box<dyn Error>>) -> Result<f64, 
     Ok(times[FRAMES / 2])
 }
 
-/// The app.
+/// The Bevy app.
 struct InBevy {
     app: App,
     earth: Entity,
@@ -145,7 +145,7 @@ impl InBevy {
     }
 }
 
-/// The program.
+/// The wgpu program.
 struct Host {
     native: Native,
     earth: terrella::Earth,

@@ -1,4 +1,5 @@
-//! The space station's orbit over the Earth at dusk, before the stars. It needs the features `celestial` and `tracks`.
+//! The space station's orbit over the Earth at dusk, in front of the stars. It needs the features `celestial` and
+//! `tracks`.
 //!
 //! ```sh
 //! cargo run --example orbit --features celestial,tracks                        # a window
@@ -16,7 +17,7 @@ use bevy_terrella::terrella::tracks::{LineStyle, Polylines, Station};
 use std::error::Error;
 use std::path::Path;
 
-/// Elements of the space station, January 2018.
+/// Orbital elements of the space station, January 2018.
 const ELEMENTS: &str = include_str!("../../terrella-orbit/data/iss.tle");
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -66,8 +67,8 @@ fn spawn(mut commands: Commands) -> Result {
     Ok(())
 }
 
-/// One picture of it, at the instant that it begins with.
+/// One image of the app at its first instant.
 pub fn still(size: (u32, u32)) -> Result<headless::Picture, Box<dyn Error>> {
-    // Curves of satellites grow over some frames.
+    // Satellite curves grow over several frames.
     headless::still(fly, size, 12)
 }

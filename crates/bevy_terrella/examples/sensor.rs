@@ -16,7 +16,7 @@ use std::error::Error;
 use std::fs::File;
 use std::time::Duration;
 
-/// What the sensor has given.
+/// Result of the sensor.
 #[derive(Resource)]
 struct Taken(RawFrameTaken);
 
@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(encoder.write_header()?.write_image_data(&bytes)?)
 }
 
-/// The pixels of the CMV4000 detector in config/navcam.toml, behind a lens whose field of view does not depend on the number of rows.
+/// The pixels of the CMV4000 detector in config/navcam.toml, behind a lens whose field of view is independent of the number of rows.
 pub fn sensor(size: [u32; 2]) -> Result<Sensor, SensorError> {
     let focal_length_mm = 50.0 * f64::from(size[1]) / 2048.0;
     let distortion = Distortion::BrownConrady([-0.08, 0.01, 0.0002, -0.0001, 0.0, 0.0, 0.0, 0.0]);
@@ -82,7 +82,7 @@ fn take_frame(In(sensor): In<Sensor>, mut commands: Commands) {
     });
 }
 
-/// The frame of a sensor.
+/// Takes one frame with a sensor.
 pub fn frame(sensor: Sensor) -> Result<RawFrame, Box<dyn Error>> {
     let mut app = headless::app();
     app.add_plugins(TerrellaPlugin)
@@ -90,7 +90,7 @@ pub fn frame(sensor: Sensor) -> Result<RawFrame, Box<dyn Error>> {
     headless::start(&mut app);
     let place = Geodetic::from_degrees(28.0, 30.0, 420_000.0);
     let mut earth = Earth::default();
-    // What is measured is what the maps hold.
+    // A measurement must show only the maps' contents.
     earth.light.detail = false;
     app.world_mut().spawn((
         earth,

@@ -8,11 +8,11 @@ use bevy::reflect::std_traits::ReflectDefault;
 use terrella::MapFolder;
 use terrella::celestial::{CelestialOptions, CelestialSelection};
 
-/// Draws the sky beyond the Earth for all its cameras: on the entity of the [`Earth`](crate::Earth). Without it space is what Bevy's camera clears
-/// to.
+/// Draws the sky beyond the Earth for all of the Earth's cameras. Put it on the entity of the [`Earth`](crate::Earth). Without it, space has the
+/// clear colour of Bevy's camera.
 ///
-/// The catalogue of stars and the maps of Milky Way and Moon are read from the Earth's folder of maps, for
-/// [`EarthMaps::Memory`](crate::EarthMaps::Memory) from the starter maps. After a change the Earth is made again.
+/// The star catalogue and the maps of Milky Way and Moon come from the Earth's map folder. For [`EarthMaps::Memory`](crate::EarthMaps::Memory) they
+/// come from the starter maps. After a change the Earth is rebuilt.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 pub struct EarthCelestial {
@@ -24,16 +24,16 @@ pub struct EarthCelestial {
     pub sun: bool,
     /// The Moon.
     pub moon: bool,
-    /// Sunlight that lens and eye scatter about the Sun.
+    /// Glare: sunlight that lens and eye scatter around the Sun.
     pub glare: bool,
-    /// How many times brighter than in truth stars and Milky Way are drawn, 0 or more.
+    /// Brightness gain of stars and Milky Way, 0 or more; 1 is realistic.
     pub star_gain: f64,
-    /// Whether that gain falls to 1 where the camera shows sunlit ground or air.
+    /// Whether that gain falls to 1 where the camera shows sunlit ground or atmosphere.
     pub stars_fade_by_day: bool,
 }
 
 impl Default for EarthCelestial {
-    /// Everything, as the library draws it.
+    /// Everything enabled, with the library's defaults.
     fn default() -> Self {
         Self {
             stars: true,
@@ -60,7 +60,7 @@ impl From<EarthCelestial> for CelestialSelection {
 }
 
 impl EarthCelestial {
-    /// What it is made of, to be compared: a gain that is no number is the same as itself.
+    /// A comparison key; a NaN gain equals itself.
     pub(crate) fn key(self) -> (CelestialSelection, u64, bool) {
         (
             self.into(),

@@ -1,4 +1,4 @@
-//! What the Earth of a world is made of, and the cameras that see it.
+//! The Earth of a world and its cameras.
 
 use crate::maps::ReadMaps;
 use crate::{EarthEpoch, EarthFault, EarthFrame, EarthMaps, EarthSky};
@@ -15,10 +15,10 @@ use terrella::{
     Shading, Subdivision, SurfaceLight, TileOptions, Tone,
 };
 
-/// The Earth of this world: one entity has it. Where it stands is its [`EarthFrame`], when it is its [`EarthEpoch`].
+/// The Earth of this world, on exactly one entity. [`EarthFrame`] is its position, [`EarthEpoch`] its time.
 ///
-/// It is made on a thread of [`AsyncComputeTaskPool`](bevy::tasks::AsyncComputeTaskPool), once for each pair of format and sample count that
-/// cameras have, and drawn when it is ready. After a change it is made again, and drawn as it was until then.
+/// A task of [`AsyncComputeTaskPool`](bevy::tasks::AsyncComputeTaskPool) builds it, once for each format and sample count of the cameras. It is drawn
+/// when ready. After a change it is rebuilt; until then the old one is drawn.
 #[derive(Component, Clone, Debug, Default, Reflect)]
 #[reflect(opaque)]
 #[reflect(Component, Clone, Debug, Default)]
@@ -32,15 +32,15 @@ pub struct Earth {
     pub subdivision: Subdivision,
     /// Real sunlight, or the paper's shading.
     pub shading: Shading,
-    /// What of the light on the surface can be chosen.
+    /// Options of the light on the surface.
     pub light: SurfaceLight,
-    /// The air, or none of it.
+    /// How the atmosphere is drawn, if at all.
     pub atmosphere: Atmosphere,
-    /// What the air holds.
+    /// Composition of the atmosphere.
     pub air: AirOptions,
-    /// Samples that a map is filtered with at a grazing view; `None` takes the library's default.
+    /// Samples of anisotropic map filtering at a grazing view; `None` uses the library's default.
     pub anisotropy: Option<u16>,
-    /// The curve by which cameras without `Hdr` show light; those with it are shown by Bevy's `Tonemapping`.
+    /// Tone curve for cameras without `Hdr`; those with it use Bevy's `Tonemapping`.
     pub tone: Tone,
     /// Tiles of a pack in place of whole maps (feature `packs`).
     pub tiles: Option<TileOptions>,
@@ -49,7 +49,7 @@ pub struct Earth {
 }
 
 impl Earth {
-    /// An Earth of these maps, all else as the library has it.
+    /// An Earth with these maps and the library's defaults.
     pub fn new(maps: EarthMaps) -> Self {
         Self {
             maps,
@@ -57,7 +57,7 @@ impl Earth {
         }
     }
 
-    /// The library's options for a pass of Bevy's, with maps that were read for it.
+    /// The library's options for one of Bevy's passes, with the maps that were read for it.
     pub(crate) fn options(
         &self,
         read: ReadMaps,
@@ -86,21 +86,21 @@ impl Earth {
     }
 }
 
-/// A `Camera3d` that sees the Earth; it is added where an entity has none.
+/// A `Camera3d` that sees the Earth; the `Camera3d` is added if the entity has none.
 ///
-/// With `Hdr` the target gets light itself: a white sheet that faces the Sun is 1, and exposing and tone are Bevy's (`ColorGrading`,
-/// `Tonemapping`), for the Earth and the app's things alike. The tone curve is Khronos' neutral one where the camera names no other: it needs no
-/// table, which Bevy's default does.
+/// With `Hdr` the target receives linear light: a white sheet that faces the Sun is 1. Bevy then applies exposure and tone (`ColorGrading`,
+/// `Tonemapping`) to the Earth and the app's meshes alike. Without another choice the tone curve is Khronos' neutral one. It needs no lookup table,
+/// unlike Bevy's default.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(opaque)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 #[require(Camera3d, EarthCameraStatus, Tonemapping::KhronosPbrNeutral)]
 pub struct EarthCamera {
-    /// How bright cameras without `Hdr` show the Earth; those with it are exposed by Bevy.
+    /// Exposure of the Earth for cameras without `Hdr`; Bevy exposes those with it.
     pub exposure: Exposure,
 }
 
-/// Whether a camera sees the Earth: what was prepared in the frame before.
+/// Whether a camera sees the Earth, as of the previous frame.
 #[derive(Component, Clone, Debug, Default, Reflect)]
 #[reflect(opaque)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
@@ -108,11 +108,11 @@ pub enum EarthCameraStatus {
     /// There is no Earth, or the camera draws nothing.
     #[default]
     Waiting,
-    /// The Earth is being made for the camera's format and samples.
+    /// The Earth is being built for the camera's format and sample count.
     Making,
-    /// It is drawn.
+    /// The Earth is drawn.
     Drawn(Box<FrameStats>),
-    /// It is not drawn, and why.
+    /// The Earth is not drawn, with the reason.
     Failed(Arc<EarthFault>),
 }
 
@@ -122,7 +122,7 @@ impl EarthCameraStatus {
         matches!(self, Self::Drawn(_))
     }
 
-    /// Why it is not drawn, where that is a fault.
+    /// The fault that prevents drawing, if any.
     pub fn fault(&self) -> Option<&EarthFault> {
         match self {
             Self::Failed(fault) => Some(fault),

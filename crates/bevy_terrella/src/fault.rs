@@ -4,8 +4,8 @@ use bevy::render::render_resource::TextureFormat;
 use terrella::frames::Epoch;
 use terrella::{EarthError, ImageryError};
 
-/// Why a camera does not see the Earth. It is logged once, and stands in the camera's
-/// [`EarthCameraStatus`](crate::EarthCameraStatus) as long as it holds.
+/// Why a camera does not see the Earth. It is logged once, and stays in the camera's
+/// [`EarthCameraStatus`](crate::EarthCameraStatus) while it lasts.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum EarthFault {
@@ -19,17 +19,17 @@ pub enum EarthFault {
     Assets {
         /// The folder of the assets.
         folder: String,
-        /// What is wrong with it.
+        /// The cause.
         cause: String,
     },
     /// The maps are Bevy's assets, and the app has none.
     #[error("the Earth's maps are assets, and the app has no AssetServer; add Bevy's AssetPlugin")]
     NoAssets,
-    /// The sky cannot be drawn as its component says.
+    /// The component's sky cannot be drawn.
     #[cfg(feature = "celestial")]
     #[error("the sky cannot be made: {0}")]
     Celestial(#[from] terrella::celestial::CelestialError),
-    /// Tracks, stations or lines cannot be drawn as their components say. `satellite` counts the entities with a track.
+    /// The components' tracks, stations or lines cannot be drawn. `satellite` counts the entities with a track.
     #[cfg(feature = "tracks")]
     #[error("tracks cannot be made: {0}")]
     Tracks(#[from] terrella::tracks::TracksError),
@@ -37,37 +37,37 @@ pub enum EarthFault {
     #[cfg(feature = "sensor")]
     #[error("the sensor: {0}")]
     Sensor(#[from] terrella_sensor::SensorError),
-    /// A shutter that needs a pose for each row.
+    /// The shutter needs a pose for each row.
     #[cfg(feature = "sensor")]
     #[error(
         "the sensor has a rolling shutter, and a Bevy frame has one pose; use Shutter::Global, or a scene's [sensor]"
     )]
     RollingShutter,
-    /// A sensor whose picture the device cannot hold.
+    /// The device cannot hold the sensor's image.
     #[cfg(feature = "sensor")]
     #[error(
         "the sensor needs a picture of {width} × {height}, and the device has {side} pixels a side and {megabytes} MiB a buffer; lower oversampling or size"
     )]
     SensorSize {
-        /// Pixels of a row of the picture.
+        /// Pixels per row of the image.
         width: u32,
-        /// Rows of the picture.
+        /// Rows of the image.
         height: u32,
-        /// Most pixels of a side.
+        /// Maximum pixels per side.
         side: u32,
-        /// Most that is read back at once.
+        /// Maximum size of one readback.
         megabytes: u64,
     },
-    /// The Earth cannot be drawn as its component says.
+    /// The component's Earth cannot be drawn.
     #[error("the Earth cannot be made: {0}")]
     Earth(#[from] EarthError),
-    /// More than one entity is an Earth.
+    /// Several entities are an Earth.
     #[error("{0} entities have the component Earth and one can be drawn; despawn the others")]
     Several(usize),
-    /// An instant that the sky is not computed of.
+    /// An instant without a computable sky.
     #[error("the Earth's epoch is {0}; it must be in the years 1 to 9999")]
     Epoch(Epoch),
-    /// Light in eight bits without an encoding.
+    /// An eight-bit target without an encoding.
     #[error(
         "the camera draws to {0:?}, which holds linear light in few bits; give it the component Hdr, or a target whose format is sRGB"
     )]
@@ -75,7 +75,7 @@ pub enum EarthFault {
     /// A projection without a vanishing point.
     #[error("the camera's projection is no perspective; the Earth is drawn through a perspective")]
     Projection,
-    /// A camera that mirrors or stretches.
+    /// The camera's transform mirrors or stretches.
     #[error(
         "the camera's transform mirrors or stretches its world; scale all three axes alike, by a positive number"
     )]

@@ -1,4 +1,4 @@
-//! Where the Earth stands in the app's world, in f64.
+//! Position of the Earth in the app's world, in f64.
 
 use bevy::ecs::component::Component;
 use bevy::ecs::reflect::ReflectComponent;
@@ -6,17 +6,18 @@ use bevy::math::{DAffine3, DMat3, DVec3};
 use bevy::reflect::Reflect;
 use terrella::frames::{Ellipsoid, Epoch, Geodetic, itrf_from_gcrf};
 
-/// Where the world's origin and axes stand on the Earth.
+/// Position of the world's origin and axes on the Earth.
 ///
-/// Bevy's transforms are f32: 10 km from the origin they are good to a millimetre, at the Earth's centre's distance from a satellite to
-/// half a metre. So keep the origin near the cameras and say here, in f64, where it is. It may move in any frame (a floating origin): what
-/// is drawn depends on where things are and not on where the origin is.
+/// Bevy's transforms are f32. At 10 km from the origin they are accurate to a millimetre. At a satellite's distance from the Earth's centre, they are
+/// accurate to half a metre. Keep the origin near the cameras, and store its position here in f64. It may move in any frame (a floating origin). The
+/// image depends on where things are, not on where the origin is.
 ///
-/// With `big_space` the origin is a cell of the grid: take [`Self::shifted`] of the frame of cell 0 by the cell's indices times its edge.
+/// With `big_space` the origin is a cell of the grid. Use [`Self::shifted`] on the frame of cell 0, with the cell's indices times its edge.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Clone, Debug, PartialEq)]
 pub struct EarthFrame {
-    /// Takes points of the world, in its unit, to ITRF metres: a rotation, a uniform scale and a shift.
+    /// Transforms points of the world, in its unit, to ITRF metres: a rotation, a uniform scale and a
+    /// translation.
     pub itrf_from_world: DAffine3,
 }
 
@@ -41,13 +42,13 @@ impl EarthFrame {
         Self::of(DMat3::IDENTITY, origin_itrf_m)
     }
 
-    /// Metres from a point in GCRF metres, axes of GCRF, the Earth turned as it is at `epoch`: make it again when the epoch changes.
+    /// Metres from a point in GCRF metres, axes of GCRF, with the Earth's rotation at `epoch`. Update it when the epoch changes.
     pub fn gcrf(origin_gcrf_m: DVec3, epoch: Epoch) -> Self {
         let itrf_from_gcrf = itrf_from_gcrf(epoch);
         Self::of(itrf_from_gcrf, itrf_from_gcrf * origin_gcrf_m)
     }
 
-    /// The same origin and axes in a world whose unit is so many metres.
+    /// The same origin and axes in a world with a unit of `unit_m` metres.
     #[must_use]
     pub fn in_unit(self, unit_m: f64) -> Self {
         let DAffine3 {
@@ -57,25 +58,26 @@ impl EarthFrame {
         Self::of(matrix3 * unit_m, translation)
     }
 
-    /// The same axes and unit, the origin at a point that is given in this world: what stood there stands at zero from now on, so take
-    /// `origin_world` off the place of all that is in the world.
+    /// The same axes and unit, with the origin at a point given in this world. That point becomes zero. Subtract `origin_world` from
+    /// the position of everything in the world.
     #[must_use]
     pub fn shifted(self, origin_world: DVec3) -> Self {
         let origin_itrf_m = self.itrf_from_world.transform_point3(origin_world);
         Self::of(self.itrf_from_world.matrix3, origin_itrf_m)
     }
 
-    /// A point in ITRF metres as a point of the world, in its unit; not finite where the frame has no inverse.
+    /// Converts a point in ITRF metres to the world, in its unit. Not finite if the frame has no inverse.
     pub fn world_from_itrf(&self, point_itrf_m: DVec3) -> DVec3 {
         let DAffine3 {
             matrix3,
             translation,
         } = self.itrf_from_world;
-        // The difference first: it is small where the point is near the origin.
+        // Subtract first: the difference is small for a point near the origin.
         matrix3.inverse() * (point_itrf_m - translation)
     }
 
-    /// A direction in ITRF axes as one of the world, of length 1; zero where the frame has no inverse.
+    /// Converts a direction in ITRF axes to the world, with length 1. Zero if the frame has no
+    /// inverse.
     pub fn world_direction(&self, direction_itrf: DVec3) -> DVec3 {
         (self.itrf_from_world.matrix3.inverse() * direction_itrf).normalize_or_zero()
     }

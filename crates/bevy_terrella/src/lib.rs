@@ -17,14 +17,14 @@
 //! |---|---|---|
 //! | [`Earth`] | one entity | maps and look |
 //! | [`EarthFrame`] | the same | where the world's origin and axes are on the Earth, in f64 |
-//! | [`EarthEpoch`], [`EarthClock`] | the same | when it is; how fast that goes on |
-//! | [`EarthSky`] | the same | what lights it then, computed |
+//! | [`EarthEpoch`], [`EarthClock`] | the same | time, and its rate |
+//! | [`EarthSky`] | the same | lights at that time, computed |
 //! | [`EarthCamera`] | each `Camera3d` that sees it | exposure |
 //! | [`EarthCameraStatus`] | the same | whether it is drawn, what was drawn, or why not |
 //! | [`EarthSun`] | a `DirectionalLight` | makes it the Sun |
 //! | `EarthCelestial` (feature `celestial`) | the Earth's entity | stars, Milky Way, Sun and Moon are drawn |
 //! | `EarthTrack` (feature `tracks`) | an entity for each satellite | its trail, ground track, footprint and marker |
-//! | `EarthStation`, `EarthLines` (feature `tracks`) | entities of their own | ground stations; lines on the globe |
+//! | `EarthStation`, `EarthLines` (feature `tracks`) | separate entities | ground stations; lines on the globe |
 //! | `EarthSensor` (feature `sensor`) | a camera's entity | lens and detector: raw frames |
 //!
 //! # One frame
@@ -39,11 +39,11 @@
 //!                      (next frame)                  in one call)
 //! ```
 //!
-//! `prepare` is one call for all cameras of a format and sample count, because Bevy submits them together; each camera has an
-//! [`EarthView`](terrella::EarthView) of its own. Where a camera needs an Earth that is not there yet, a task makes it.
-//! On a new device (`RenderStartup`) all is made again.
+//! `prepare` is one call for all cameras of a format and sample count, because Bevy submits them together. Each camera has its own
+//! [`EarthView`](terrella::EarthView). If a camera needs an Earth that does not exist yet, a task builds it. On a new device (`RenderStartup`)
+//! everything is rebuilt.
 //!
-//! What Bevy draws from its prepass (ambient occlusion, depth of field, motion vectors) does not know of the Earth, which is not in it.
+//! The Earth is not in Bevy's prepass. Effects based on it (ambient occlusion, depth of field, motion vectors) ignore the Earth.
 
 #[cfg(feature = "celestial")]
 mod celestial;
@@ -75,7 +75,7 @@ pub use time::{EarthClock, EarthEpoch, EarthSky};
 #[cfg(feature = "tracks")]
 pub use tracks::{EarthLines, EarthStation, EarthTrack};
 
-/// What apps use of the plugin, with the types of places and times that its components take.
+/// Items of the plugin for apps, with the types of places and times in its components.
 pub mod prelude {
     #[cfg(feature = "celestial")]
     pub use crate::EarthCelestial;

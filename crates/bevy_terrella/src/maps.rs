@@ -1,4 +1,4 @@
-//! Where the Earth's maps come from, and reading them.
+//! Sources of the Earth's maps, and reading them.
 
 #[cfg(feature = "celestial")]
 use crate::EarthCelestial;
@@ -16,18 +16,18 @@ use terrella::{
     UploadedMaps, find_textures, load_layers_to, wgpu,
 };
 
-/// Most bytes of all files that are read from Bevy's assets for one Earth.
+/// Maximum bytes of all files read from Bevy's assets for one Earth.
 const MAX_ASSET_BYTES: u64 = 1 << 30;
 
-/// Where the Earth's maps come from.
+/// Source of the Earth's maps.
 #[derive(Clone, Debug)]
 pub enum EarthMaps {
-    /// The starter maps, where [`find_textures`] finds them; read each time that an Earth is made.
+    /// The starter maps, located by [`find_textures`]; read each time an Earth is built.
     Found(LayerSelection),
-    /// A folder of maps; read each time that an Earth is made.
+    /// A folder of maps; read each time an Earth is built.
     Folder(PathBuf, LayerSelection),
-    /// A folder of Bevy's assets, from any source that the [`AssetServer`] has (`"earth"`, `"embedded://my_game/earth"`); read each time that an
-    /// Earth is made. The files have the names of those in the repository's `textures`, without processing.
+    /// A folder of Bevy's assets, from any source of the [`AssetServer`] (`"earth"`, `"embedded://my_game/earth"`). It is read each time an
+    /// Earth is built. The files have the names of those in the repository's `textures`, without processing.
     Assets(AssetPath<'static>, LayerSelection),
     /// Maps in memory.
     Memory(Arc<EarthLayers>),
@@ -46,7 +46,7 @@ impl EarthMaps {
     }
 }
 
-/// What was read for an Earth.
+/// Maps that were read for an Earth.
 pub(crate) struct ReadMaps {
     pub layers: EarthLayers,
     pub uploaded: UploadedMaps,
@@ -55,7 +55,7 @@ pub(crate) struct ReadMaps {
     pub celestial: Option<CelestialOptions>,
 }
 
-/// What else than the Earth's layers is read.
+/// Files to read besides the Earth's layers.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Beside {
     pub city_lights: bool,
@@ -63,7 +63,7 @@ pub(crate) struct Beside {
     pub celestial: Option<EarthCelestial>,
 }
 
-/// A folder, or the files of one.
+/// A folder, or the contents of its files.
 enum Files {
     Disk(PathBuf),
     Memory(HashMap<String, Vec<u8>>),
@@ -78,7 +78,7 @@ impl Files {
     }
 }
 
-/// Reads maps, and uploads them while they are read. It takes its time.
+/// Reads maps and uploads them at the same time. Slow.
 pub(crate) async fn read(
     maps: &EarthMaps,
     beside: Beside,
@@ -99,7 +99,7 @@ pub(crate) async fn read(
                 layers: EarthLayers::clone(layers),
                 uploaded: UploadedMaps::default(),
                 city_lights: None,
-                // The sky is no part of the maps in memory.
+                // Maps in memory do not include the sky.
                 #[cfg(feature = "celestial")]
                 celestial: match beside.celestial {
                     Some(sky) => Some(sky.options(find_textures()?.as_path().into())?),
@@ -130,7 +130,7 @@ pub(crate) async fn read(
     })
 }
 
-/// Names of all files that may be read.
+/// Names of all files that may be needed.
 fn file_names(selection: LayerSelection, beside: Beside) -> Vec<&'static str> {
     let mut names = selection.file_names();
     if beside.city_lights && selection.night_lights {
@@ -143,7 +143,7 @@ fn file_names(selection: LayerSelection, beside: Beside) -> Vec<&'static str> {
     names
 }
 
-/// The files of these names that a folder of assets has.
+/// The files among these names that exist in an asset folder.
 async fn read_assets(
     assets: &AssetServer,
     folder: &AssetPath<'static>,

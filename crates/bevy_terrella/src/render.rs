@@ -1,13 +1,14 @@
-//! The render world's part.
+//! Systems of the render world.
 //!
 //! | file | what |
 //! |---|---|
-//! | `extract.rs` | from the main world: the Earth and its cameras; back to it: what became of them |
-//! | `eye.rs` | a camera of Bevy's as the library's view |
-//! | `planet.rs` | an Earth for one format and sample count: made by a task, with a view for each camera |
+//! | `extract.rs` | the Earth and its cameras from the main world; their status back to it |
+//! | `eye.rs` | conversion of a Bevy camera to the library's view |
+//! | `planet.rs` | an Earth for one format and sample count: built by a task, with a view for each camera
+//! |
 //! | `overlays.rs` | the sky beyond the Earth and the tracks over it, for each view |
-//! | `prepare.rs` | all pictures of a frame |
-//! | `draw.rs` | one camera's pass |
+//! | `prepare.rs` | all images of a frame |
+//! | `draw.rs` | the pass of one camera |
 
 mod draw;
 mod extract;
@@ -24,7 +25,7 @@ use bevy::ecs::system::ResMut;
 use bevy::render::{ExtractSchedule, Render, RenderApp, RenderStartup, RenderSystems};
 use planet::Planets;
 
-/// Adds the systems of the render world, where there is one.
+/// Adds the systems of the render world, if it exists.
 pub(crate) fn build(app: &mut App) {
     let Some(render) = app.get_sub_app_mut(RenderApp) else {
         tracing::warn!("without Bevy's RenderPlugin before TerrellaPlugin no Earth is drawn");
@@ -54,7 +55,7 @@ pub(crate) fn build(app: &mut App) {
         );
 }
 
-/// Bevy has a new device: what was made on the old one is useless.
+/// Bevy has a new device; objects of the old one are invalid.
 fn forget(mut planets: ResMut<Planets>) {
     *planets = Planets::default();
 }

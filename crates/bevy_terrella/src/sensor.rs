@@ -1,4 +1,4 @@
-//! A camera with a sensor: raw frames of everything that the camera sees.
+//! A camera with a sensor: raw frames of everything in its view.
 
 use crate::{
     Earth, EarthCamera, EarthCameraStatus, EarthEpoch, EarthFault, EarthSky, TerrellaSystems,
@@ -34,15 +34,15 @@ use terrella_sensor::{
     Wells,
 };
 
-/// The format of a sensor's target: light as it is, four floats a pixel.
+/// Format of a sensor's target: linear light, four floats per pixel.
 const LIGHT: TextureFormat = TextureFormat::Rgba32Float;
 const LIGHT_BYTES: usize = 16;
 
-/// Puts a lens and a detector behind an [`EarthCamera`]: the Earth, the sky and your meshes become raw frames.
+/// Adds a lens and a detector to an [`EarthCamera`]: the Earth, the sky and your meshes become raw frames.
 ///
-/// The component gives the camera a target, a projection, `Hdr`, and no tone curve. The target is the picture of a pinhole camera, with
-/// `oversampling` samples across a pixel and the margins that distortion and point spread need. Write the camera's pose as usual: the axis of
-/// the lens is the camera's forward direction. Trigger [`TakeRawFrame`] for each frame.
+/// The component gives the camera a target, a projection, `Hdr`, and no tone curve. The target is the image of a pinhole camera, with `oversampling`
+/// samples across a pixel and the margins for distortion and point spread. Set the camera's pose as usual: the axis of the lens is the camera's
+/// forward direction. Trigger [`TakeRawFrame`] for each frame.
 ///
 /// Bevy's main texture holds half floats, so light is rounded to 1/2048 of itself.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
@@ -52,9 +52,9 @@ const LIGHT_BYTES: usize = 16;
 pub struct EarthSensor {
     /// Lens, aperture, shutter and detector. The shutter must be global: a frame has one pose.
     pub sensor: Sensor,
-    /// Nearest depth that is drawn, units of the world.
+    /// Smallest depth that is drawn, units of the world.
     pub near: f32,
-    /// Meshes farther than this are not drawn; the Earth is.
+    /// Meshes beyond this depth are not drawn; the Earth always is.
     pub far: f32,
 }
 
@@ -68,7 +68,7 @@ impl EarthSensor {
         }
     }
 
-    /// The picture that the camera draws.
+    /// The image that the camera draws.
     fn fit(&self, device: Option<&RenderDevice>) -> Result<PinholeFrame, EarthFault> {
         self.sensor.check()?;
         if matches!(self.sensor.shutter, Shutter::Rolling { .. }) {
@@ -94,33 +94,34 @@ impl EarthSensor {
     }
 }
 
-/// Takes a raw frame by an [`EarthSensor`]: the next one in which its camera sees the Earth. [`RawFrameTaken`] follows some frames later.
+/// Requests a raw frame from an [`EarthSensor`]: the next frame in which its camera sees the Earth. [`RawFrameTaken`] follows some frames
+/// later.
 #[derive(EntityEvent, Clone, Copy, Debug)]
 pub struct TakeRawFrame {
     /// The camera.
     pub entity: Entity,
-    /// The frame's number. Noise is a function of the sensor's seed and of this.
+    /// The frame's number. Noise depends only on the sensor's seed and on this number.
     pub number: u32,
 }
 
-/// A raw frame has been taken, or the reason why not.
+/// A raw frame was taken, or failed with a reason.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct RawFrameTaken {
     /// The camera.
     pub entity: Entity,
-    /// The number that it was asked for by.
+    /// The requested number.
     pub number: u32,
-    /// The Earth's epoch in the frame that was drawn.
+    /// The Earth's epoch in the drawn frame.
     pub epoch: Epoch,
-    /// What the converter gives, and the electrons that it read.
+    /// Output of the converter, and the electrons that it read.
     pub raw: Result<(RawFrame, Wells), Arc<EarthFault>>,
 }
 
-/// Numbers of frames that have been asked for.
+/// Numbers of requested frames.
 #[derive(Component, Clone, Debug, Default)]
 pub(crate) struct RawRequests(VecDeque<u32>);
 
-/// What a camera draws for its sensor.
+/// Target that a camera draws for its sensor.
 #[derive(Component)]
 enum SensorTarget {
     Fits {
@@ -130,7 +131,7 @@ enum SensorTarget {
     Fails(Arc<EarthFault>),
 }
 
-/// A frame that is being read back, on an entity of its own.
+/// A frame that is being read back, on a separate entity.
 #[derive(Component)]
 struct Capture {
     camera: Entity,
@@ -141,11 +142,12 @@ struct Capture {
     frame: PinholeFrame,
 }
 
-/// A frame that is being read out.
+/// A frame that the sensor model is reading out.
 #[derive(Component)]
 struct ReadOut(Task<Result<(RawFrame, Wells), SensorError>>);
 
-/// A pinhole camera that shows a rectangle of the plane at unit focal length, to infinity, with reversed depth.
+/// A pinhole camera that shows a rectangle of the plane at unit focal length, with an infinite far plane and
+/// reversed depth.
 #[derive(Clone, Copy, Debug)]
 struct PinholeProjection {
     frame: PinholeFrame,
@@ -158,12 +160,12 @@ impl CameraProjection for PinholeProjection {
         self.frame.rect.clip_from_view(self.near.into()).as_mat4()
     }
 
-    /// A sensor has no parts.
+    /// A sensor has no sub-views.
     fn get_clip_from_view_for_sub(&self, _: &SubCameraView) -> Mat4 {
         self.get_clip_from_view()
     }
 
-    /// The target has the size that the sensor needs.
+    /// The sensor determines the target's size.
     fn update(&mut self, _: f32, _: f32) {}
 
     fn far(&self) -> f32 {
@@ -190,7 +192,7 @@ impl CameraProjection for PinholeProjection {
     }
 }
 
-/// Adds the systems of sensors.
+/// Adds the sensor systems.
 pub(crate) fn build(app: &mut App) {
     app.register_type::<EarthSensor>()
         .add_observer(request)
@@ -243,7 +245,7 @@ fn fit_cameras(
     }
 }
 
-/// Notes a request.
+/// Records a request.
 fn request(take: On<TakeRawFrame>, mut cameras: Query<&mut RawRequests>) {
     match cameras.get_mut(take.entity) {
         Ok(mut requests) => requests.0.push_back(take.number),
@@ -254,7 +256,7 @@ fn request(take: On<TakeRawFrame>, mut cameras: Query<&mut RawRequests>) {
     }
 }
 
-/// Reads the coming frame back for cameras that saw the Earth in the one before.
+/// Starts a readback of the coming frame for cameras that saw the Earth in the previous one.
 fn capture(
     mut cameras: Query<(
         Entity,
@@ -302,7 +304,7 @@ fn capture(
     }
 }
 
-/// Starts the sensor's part when light has come back.
+/// Starts the sensor model when the light has been read back.
 fn read_out(done: On<ReadbackComplete>, captures: Query<&Capture>, mut commands: Commands) {
     let Ok(capture) = captures.get(done.entity) else {
         return;
@@ -320,7 +322,7 @@ fn read_out(done: On<ReadbackComplete>, captures: Query<&Capture>, mut commands:
     commands.entity(done.entity).insert(ReadOut(task));
 }
 
-/// Rows of a target, which Bevy pads to multiples of 256 bytes.
+/// Pixels of a target. Bevy pads its rows to multiples of 256 bytes.
 fn light(bytes: &[u8], [width, height]: [u32; 2]) -> Vec<[f32; 4]> {
     let row_bytes = bytes.len() / height.max(1) as usize;
     let rows = bytes.chunks_exact(row_bytes.max(1));
@@ -338,7 +340,7 @@ fn light(bytes: &[u8], [width, height]: [u32; 2]) -> Vec<[f32; 4]> {
     pixels.collect()
 }
 
-/// Hands out the frames that have been read out.
+/// Delivers the finished frames.
 fn deliver(
     mut reading: Query<(Entity, &Capture, &mut ReadOut)>,
     cameras: Query<(), With<EarthSensor>>,

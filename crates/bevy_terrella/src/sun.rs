@@ -1,4 +1,5 @@
-//! A directional light that is the Earth's Sun, so that the app's things are lit as the Earth is.
+//! A directional light that is the Earth's Sun, so that the app's meshes have the same light as the
+//! Earth.
 
 use crate::{Earth, EarthFrame, EarthSky};
 use bevy::ecs::component::Component;
@@ -12,25 +13,24 @@ use bevy::transform::components::Transform;
 use std::f32::consts::PI;
 use terrella::frames::{Ellipsoid, illumination};
 
-/// Makes a `DirectionalLight` the Sun: direction and illuminance are the Earth's.
+/// Makes a `DirectionalLight` the Sun, with the Earth's direction and illuminance.
 ///
-/// The entity stands at the top of the hierarchy: its transform is written in the world's axes.
+/// The entity must be at the top of the hierarchy: its transform is written in world axes.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Clone, Debug, PartialEq)]
 #[require(DirectionalLight)]
 pub struct EarthSun {
-    /// The exposure value of the cameras' Bevy component `Exposure`. A white sheet that faces the Sun is then as bright as one on the
-    /// Earth would be.
+    /// The exposure value of the cameras' Bevy component `Exposure`. A white sheet facing the Sun then appears as bright as one on
+    /// the Earth.
     pub ev100: f32,
-    /// The exposure value that the Earth is shown with: that of [`EarthCamera`](crate::EarthCamera) for cameras without `Hdr`, 0 for those
-    /// with it.
+    /// The exposure value for the Earth: that of [`EarthCamera`](crate::EarthCamera) for cameras without `Hdr`, 0 for cameras with it.
     pub earth_ev: f32,
-    /// A place in the world, in its unit, where the Earth's shadow falls on what is lit: the craft's. `None` is always in the Sun.
+    /// A place in the world, in its unit, where the Earth's shadow is evaluated: that of the craft. `None` is always sunlit.
     pub shadow_at: Option<DVec3>,
 }
 
 impl Default for EarthSun {
-    /// For cameras with `Hdr` and Bevy's default exposure, always in the Sun.
+    /// For cameras with `Hdr` and Bevy's default exposure, always sunlit.
     fn default() -> Self {
         Self {
             ev100: bevy::camera::Exposure::EV100_BLENDER,
@@ -41,12 +41,12 @@ impl Default for EarthSun {
 }
 
 impl EarthSun {
-    /// Illuminance in lux that shows a white sheet as bright as the Earth's light shows one, all of the Sun in sight: π / exposure · 2^EV.
+    /// Illuminance in lux at which a white sheet appears as bright as under the Earth's light, with the whole Sun visible: π / exposure · 2^EV.
     ///
-    /// At `Exposure::SUNLIGHT` it is 123 500 lx; the Sun above the air gives 133 100.
+    /// At `Exposure::SUNLIGHT` it is 123 500 lx; the Sun above the atmosphere has 133 100.
     pub fn illuminance_lux(&self) -> f32 {
         let exposure = bevy::camera::Exposure { ev100: self.ev100 };
-        // A diffuse sheet of reflectance 1 in E lux has the luminance E / π.
+        // A diffuse sheet of reflectance 1 at E lux has the luminance E / π.
         PI / exposure.exposure() * self.earth_ev.exp2()
     }
 }
@@ -55,7 +55,7 @@ pub(crate) fn aim_suns(
     earths: Query<(&EarthFrame, &EarthSky), With<Earth>>,
     mut suns: Query<(&EarthSun, &mut DirectionalLight, &mut Transform)>,
 ) {
-    // With several Earths the cameras tell what is wrong.
+    // With several Earths the cameras report the fault.
     let Ok((frame, sky)) = earths.single() else {
         return;
     };
@@ -103,7 +103,7 @@ mod tests {
     #[test]
     fn it_shines_away_from_the_sun_and_a_white_sheet_is_one() {
         let sun = EarthSun::default();
-        // Over 0° E on the equator ITRF's x is the world's up, z its north.
+        // Over 0° E on the equator, ITRF's x is the world's up, and z is its north.
         let (shines, lux) = lit(sun, DVec3::new(1.0, 0.0, 1.0).normalize());
         let expected = Vec3::new(0.0, -1.0, 1.0).normalize();
         assert!((shines - expected).length() < 1e-6, "{shines}");

@@ -1,4 +1,4 @@
-//! When it is, and what lights the Earth then.
+//! The time, and the lights of the Earth at that time.
 
 use bevy::ecs::change_detection::DetectChanges;
 use bevy::ecs::component::Component;
@@ -13,7 +13,7 @@ use std::time::SystemTime;
 use terrella::Sky;
 use terrella::frames::{Duration, Epoch};
 
-/// The instant that is shown, in the years 1 to 9999: exact to the nanosecond, leap seconds included. By default the present.
+/// The displayed instant, in the years 1 to 9999: exact to the nanosecond, with leap seconds. The default is the present.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(opaque)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
@@ -27,12 +27,12 @@ impl Default for EarthEpoch {
     }
 }
 
-/// Has [`EarthEpoch`] go on with Bevy's [`Time`]. Without it the epoch stands still, or is set by the app.
+/// Advances [`EarthEpoch`] with Bevy's [`Time`]. Without it the epoch is constant, or the app sets it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Clone, Debug, PartialEq)]
 pub struct EarthClock {
-    /// Seconds of the epoch for a second of the app; negative runs backwards. A clock of no finite rate stands still, and every clock
-    /// stops at the ends of the years 1 and 9999.
+    /// Seconds of epoch per second of the app; negative runs backwards. A clock with a rate that is not finite stands still. Every
+    /// clock stops at the ends of the years 1 and 9999.
     pub rate: f64,
 }
 
@@ -42,7 +42,7 @@ impl Default for EarthClock {
     }
 }
 
-/// What lights the Earth: computed of [`EarthEpoch`] whenever that changes. An app with an ephemeris of its own writes it after
+/// Lights of the Earth, computed from [`EarthEpoch`] on every change. An app with its own ephemeris writes it after
 /// [`TerrellaSystems::Sky`](crate::TerrellaSystems::Sky).
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(opaque)]
@@ -55,10 +55,10 @@ impl Default for EarthSky {
     }
 }
 
-/// Farthest that a clock goes in one frame, nanoseconds: three thousand years.
+/// Maximum step of a clock in one frame, nanoseconds: three thousand years.
 const LONGEST_STEP_NS: f64 = 1e20;
 
-/// The instants that have a sky: the years 1 to 9999.
+/// Instants with a sky: the years 1 to 9999.
 fn range() -> RangeInclusive<Epoch> {
     Epoch::from_gregorian_utc_at_midnight(1, 1, 1)
         ..=Epoch::from_gregorian_utc_at_midnight(9999, 12, 31)
@@ -70,7 +70,7 @@ pub(crate) fn has_sky(epoch: Epoch) -> bool {
 }
 
 pub(crate) fn advance_epochs(time: Res<Time>, mut clocks: Query<(&EarthClock, &mut EarthEpoch)>) {
-    // A frame has fewer nanoseconds than f64 has digits.
+    // The nanoseconds of a frame fit into an f64 exactly.
     let elapsed_ns = time.delta().as_nanos() as f64;
     let (first, last) = range().into_inner();
     for (clock, mut epoch) in &mut clocks {
@@ -86,7 +86,7 @@ pub(crate) fn advance_epochs(time: Res<Time>, mut clocks: Query<(&EarthClock, &m
 
 pub(crate) fn compute_skies(mut skies: Query<(Ref<EarthEpoch>, &mut EarthSky)>) {
     for (epoch, mut sky) in &mut skies {
-        // One without a sky is a fault, which cameras tell.
+        // An epoch without a sky is a fault, which cameras report.
         if epoch.is_changed() && has_sky(epoch.0) {
             sky.0 = Sky::at(epoch.0);
         }
@@ -122,7 +122,8 @@ mod tests {
 
     #[test]
     fn an_hour_of_frames_is_an_hour_to_the_nanosecond() {
-        // 144 frames a second do not divide a second into whole nanoseconds: what Bevy counts is what is added.
+        // At 144 frames per second a frame is not an integer number of nanoseconds. The clock adds what Bevy
+        // counts.
         let delta = std::time::Duration::from_nanos(6_944_444);
         let (epoch, sky) = after(5184, delta, 100.0);
         let expected: Epoch = "2018-06-21T09:59:59.999769600Z".parse().expect("a date");

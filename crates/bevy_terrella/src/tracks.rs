@@ -11,22 +11,22 @@ use terrella::frames::{Epoch, Orientation};
 use terrella::orbit::{Feed, Frame, OrbitError};
 use terrella::tracks::{Polylines, Station, TrackSpan, TrackStyle};
 
-/// The track of a satellite, drawn over the Earth for all its cameras: on an entity of its own for each satellite.
+/// The track of a satellite, drawn over the Earth for all of the Earth's cameras. Use one entity per satellite.
 ///
-/// Lines and marks have their display colours on cameras without `Hdr`, and those values as linear light on cameras with it. They are drawn before
-/// Bevy's transparent pass. Your meshes hide them by depth.
+/// Lines and marks have their display colours on cameras without `Hdr`. On cameras with `Hdr` the same values are linear light. They are drawn before
+/// Bevy's transparent pass, and your meshes hide them by depth.
 #[derive(Component, Clone, Reflect)]
 #[reflect(opaque)]
 #[reflect(Component, Clone, Debug)]
 pub struct EarthTrack {
-    /// Where the satellite is: mean elements, an ephemeris, a propagator, or your own.
+    /// Source of the satellite's state: mean elements, an ephemeris, a propagator, or your own.
     pub feed: Arc<dyn Feed>,
-    /// What is drawn of it.
+    /// Parts of the track that are drawn.
     pub style: TrackStyle,
 }
 
 impl EarthTrack {
-    /// The last revolution in space, the ground track, the subsatellite point and a marker, in the colour of this place in a list.
+    /// The last revolution in space, the ground track, the subsatellite point and a marker, with the colour of list index `index`.
     pub fn new(feed: impl Feed + 'static, index: usize) -> Self {
         Self {
             feed: Arc::new(feed),
@@ -40,10 +40,10 @@ impl EarthTrack {
         }
     }
 
-    /// Where the satellite is in the world, in its unit.
+    /// Position of the satellite in the world, in its unit.
     ///
     /// # Errors
-    /// An instant that the feed has no state for.
+    /// An instant without a state in the feed.
     pub fn place(&self, epoch: Epoch, frame: &EarthFrame) -> Result<DVec3, OrbitError> {
         let state = self.feed.state_at(epoch)?;
         let state = state.in_frame(Frame::Itrf, &Orientation::default());
@@ -60,20 +60,20 @@ impl fmt::Debug for EarthTrack {
     }
 }
 
-/// A ground station: a marker, the area in which it has the first satellite in view, and a line to each satellite while it has.
+/// A ground station: a marker, the area where it can see the first satellite, and a line to each visible satellite.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(opaque)]
 #[reflect(Component, Clone, Debug, PartialEq)]
 pub struct EarthStation(pub Station);
 
-/// Lines that are fixed to the Earth, for example [`Polylines::graticule`] or coast lines of a [`VectorMap`](terrella::tracks::VectorMap).
+/// Lines fixed to the Earth, for example [`Polylines::graticule`] or coast lines of a [`VectorMap`](terrella::tracks::VectorMap).
 #[derive(Component, Clone, Debug, Reflect)]
 #[reflect(opaque)]
 #[reflect(Component, Clone, Debug)]
 pub struct EarthLines(pub Arc<Polylines>);
 
 impl EarthLines {
-    /// These lines.
+    /// Creates the component from lines.
     pub fn new(lines: Polylines) -> Self {
         Self(Arc::new(lines))
     }

@@ -1,8 +1,8 @@
-//! The atmosphere as numbers: density profiles, scattering tables and the paper's billboard. No GPU here.
+//! Atmosphere model on the CPU: density profiles, scattering tables and the paper's billboard. This module uses no GPU.
 //!
-//! Everything is computed on the unit sphere of scaled space (see [`terrella_frames::Ellipsoid`]): there the limb of an
-//! ellipsoid is a circle, so halo and limb meet at the poles as they do at the equator. Lengths are in units of the
-//! equatorial radius; that makes the air 0.3 % thinner over the poles, which is far below its natural variation.
+//! All computation is on the unit sphere of scaled space (see [`terrella_frames::Ellipsoid`]). There the limb of the ellipsoid is a circle, so the
+//! halo meets the limb at every latitude. Lengths are in units of the equatorial radius. This makes the atmosphere 0.3 % thinner over the poles, far
+//! below its natural variation.
 
 mod billboard;
 mod model;
@@ -23,7 +23,7 @@ pub use tables::{
 };
 pub use tables::{LOWEST_SUN, LUMINANCE, SOURCE_BANDS, SUN_SPACING};
 
-/// How the air is drawn.
+/// How the atmosphere is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
@@ -31,6 +31,6 @@ pub enum Atmosphere {
     /// The paper's camera-facing square of side 2√(L1·L2), enlarged for the thickness of the air.
     #[default]
     Billboard,
-    /// No air: nothing of it is computed, uploaded or compiled.
+    /// No atmosphere: nothing is computed, uploaded or compiled for it.
     None,
 }

@@ -1,11 +1,10 @@
-//! Heights of the ground: what surfaces with relief are made from.
+//! Elevation data, the source of surfaces with relief.
 //!
-//! Heights are metres above the sea. Those of files that give them above the ellipsoid are brought down to it ([`geoid`]). What is drawn
-//! stands on the ellipsoid by these heights: the geoid lies within 107 m of WGS84, and no surface here distinguishes the two.
+//! Heights are metres above mean sea level. Heights of files above the ellipsoid are reduced to mean sea level ([`geoid`]). The renderer places
+//! terrain at these heights above the ellipsoid. The geoid is within 107 m of WGS84, and no surface here distinguishes the two.
 //!
-//! [`Ground`] is what scenes use: any number of [`HeightGrid`]s over a sea at height 0. Grids are made from heights in
-//! memory or read from files (GeoTIFF, PNG with a sidecar, NetCDF). In place of the sea it may lie over tiles of a
-//! [`HeightTileSource`], which may be larger than memory: [`StreamedGround`].
+//! Scenes use [`Ground`]: any number of [`HeightGrid`]s over a sea at height 0. Grids are built from heights in memory or read from files (GeoTIFF,
+//! PNG with a sidecar, NetCDF). Tiles of a [`HeightTileSource`] may replace the sea; they may exceed the memory: [`StreamedGround`].
 
 pub mod aux_xml;
 mod basins;
@@ -22,7 +21,7 @@ mod placed;
 pub mod projection;
 pub mod read;
 mod samples;
-// Packs are built from them.
+// `terrella-pack` builds packs from it.
 pub mod spool;
 mod stream;
 pub mod tiff_chunks;
@@ -71,9 +70,9 @@ pub struct Bounds {
     pub south_rad: f64,
     /// Latitude of the northern edge, not below [`Self::south_rad`].
     pub north_rad: f64,
-    /// Longitude of the western edge; any turn.
+    /// Longitude of the western edge; any multiple of 360° may be added.
     pub west_rad: f64,
-    /// From there to the eastern edge, 0…2π.
+    /// Width to the eastern edge, 0…2π.
     pub width_rad: f64,
 }
 
@@ -86,10 +85,12 @@ impl Bounds {
         width_rad: TAU,
     };
 
-    /// The least that hold all places up to an angle at the Earth's centre from a place.
+    /// The smallest bounds of a circle: all places within an angle at the Earth's centre of a
+    /// place.
     pub fn around(lat_rad: f64, lon_rad: f64, angle_rad: f64) -> Self {
         let (south_rad, north_rad) = (lat_rad - angle_rad, lat_rad + angle_rad);
-        // A circle about the place touches meridians at sin Δλ = sin r / cos φ, if no pole is in it.
+        // A circle around the place touches meridians at sin Δλ = sin r / cos φ, if it contains no
+        // pole.
         let has_pole = north_rad >= FRAC_PI_2 || south_rad <= -FRAC_PI_2;
         let aside_rad = match has_pole {
             true => PI,
@@ -103,12 +104,12 @@ impl Bounds {
         }
     }
 
-    /// Whether the two have a place in common, if only one on their edges.
+    /// Whether the two share a place, even if only on their edges.
     pub fn overlaps(&self, other: &Self) -> bool {
         let from_west = (other.west_rad - self.west_rad).rem_euclid(TAU);
         let from_other = (self.west_rad - other.west_rad).rem_euclid(TAU);
         let along = from_west <= self.width_rad || from_other <= other.width_rad;
-        // On a pole all meridians meet.
+        // All meridians meet at a pole.
         let pole = |bounds: &Self| {
             let near = FRAC_PI_2 - 1e-9;
             (bounds.north_rad >= near, bounds.south_rad <= -near)
@@ -125,38 +126,38 @@ impl Bounds {
     }
 }
 
-/// A source of elevation data. Every height is finite: each source documents its substitute where there are no data.
+/// A source of elevation data. Every height is finite; each source documents its substitute where data are missing.
 pub trait Elevation: Send + Sync {
-    /// Height at a geodetic place, metres, averaged over about `spacing_rad` of ground to each side (an angle at the Earth's
-    /// centre); 0 asks for the finest there is. Continuous in the place. Longitude may be of any turn, and a latitude
-    /// beyond a pole is taken as the pole's.
+    /// Height at a geodetic place, metres, averaged over about `spacing_rad` of ground to each side. The spacing is an angle
+    /// at the Earth's centre; 0 requests the finest data. Continuous in the place. Longitudes may exceed ±180°, and a
+    /// latitude beyond a pole counts as the pole's.
     fn height_m(&self, lat_rad: f64, lon_rad: f64, spacing_rad: f64) -> f64;
 
-    /// Lowest and highest height that [`Self::height_m`] answers inside the bounds, at any spacing. May be too wide, never
-    /// too narrow: of a source whose heights become finer ([`Self::streamed`]), neither now nor later.
+    /// Lowest and highest height that [`Self::height_m`] returns inside the bounds, at any spacing. May be too wide, never
+    /// too narrow. If a source refines its heights ([`Self::streamed`]), this holds now and later.
     fn range_m(&self, bounds: &Bounds) -> HeightRange;
 
-    /// As [`Self::range_m`], for heights that are asked for at spacings up to `coarsest_rad` only. Where that is small
-    /// this is much narrower: at any spacing, also the mean of the whole Earth counts. A source whose heights become finer answers
-    /// for those that it has now.
+    /// As [`Self::range_m`], for spacings up to `coarsest_rad` only. For a small spacing the range is much narrower, because
+    /// [`Self::range_m`] also includes the mean of the whole Earth. If a source refines its heights, this covers only those that
+    /// it has now.
     fn range_up_to_m(&self, bounds: &Bounds, coarsest_rad: f64) -> HeightRange {
         let _ = coarsest_rad;
         self.range_m(bounds)
     }
 
-    /// For a source whose heights become finer while they are drawn: the stream that they come from. `None` of all others.
+    /// The stream of a source whose heights become finer while they are drawn. `None` for all others.
     fn streamed(&self) -> Option<&StreamedGround> {
         None
     }
 
-    /// Angle between neighbouring samples of the finest data at a place, radians; infinite where heights do not vary, however
-    /// far from there.
+    /// Angle between neighbouring samples of the finest data at a place, radians. Infinite where heights do not vary, at any
+    /// distance.
     fn finest_spacing_rad(&self, lat_rad: f64, lon_rad: f64) -> f64;
 
-    /// Angle between neighbouring samples of the finest data anywhere inside the bounds, radians; infinite where heights do not
-    /// vary. May be too small, never too large.
+    /// Angle between neighbouring samples of the finest data anywhere inside the bounds, radians. Infinite where heights do not vary. May be too
+    /// small, never too large.
     ///
-    /// As provided it looks at 25 places: a source whose data differ from place to place has to answer by itself.
+    /// The default implementation samples 25 places. A source with data that differ from place to place must override it.
     fn finest_spacing_in(&self, bounds: &Bounds) -> f64 {
         let part = |k: u32| f64::from(k) / 4.0;
         let places = (0..25).map(|k| (part(k / 5), part(k % 5)));
@@ -167,34 +168,34 @@ pub trait Elevation: Send + Sync {
         spacings.fold(f64::INFINITY, f64::min)
     }
 
-    /// Rise of the ground to the east and to the north, metres per metre, between places `spacing_rad` to each side, or
-    /// [`Self::finest_spacing_rad`] if that is more. Zero where heights do not vary. At a pole, north is away from it along
-    /// the meridian opposite to the longitude.
+    /// Slope of the ground to the east and to the north, metres per metre, between places `spacing_rad` to each side.
+    /// [`Self::finest_spacing_rad`] applies if it is larger. Zero where heights do not vary. At a pole, north points away
+    /// from it along the meridian opposite to the longitude.
     fn slope(&self, ellipsoid: &Ellipsoid, lat_rad: f64, lon_rad: f64, spacing_rad: f64) -> DVec2 {
         let step_rad = spacing_rad.max(self.finest_spacing_rad(lat_rad, lon_rad));
         if !step_rad.is_finite() {
             return DVec2::ZERO;
         }
-        // From a decimetre of ground, so that the difference of two heights is not lost in their last digits.
+        // At least a decimetre of ground, so that the difference of two heights keeps its last digits.
         let step_rad = step_rad.clamp(2e-8, 0.25 * PI);
         let lat_rad = lat_rad.clamp(-FRAC_PI_2, FRAC_PI_2);
         let (sin, cos) = step_rad.sin_cos();
         let (sin_lat, cos_lat) = lat_rad.sin_cos();
-        // Distance from the axis and from the equator's plane, of a geodetic latitude.
+        // Distance of a geodetic latitude from the axis and from the equatorial plane.
         let (a, b) = (ellipsoid.equatorial_radius_m, ellipsoid.polar_radius_m);
         let meridian = |sin_lat: f64, cos_lat: f64| {
             let scaled = DVec2::new(a * cos_lat, b * sin_lat);
             DVec2::new(a, b) * scaled / scaled.length()
         };
-        // Along the great circle that leaves to the east: it has no trouble with poles, as the parallel has. Its points
-        // lie turned by ±λ from here, at a latitude φ with cos φ sin λ = sin s.
+        // Along the great circle that leaves to the east. Unlike the parallel, it is well defined at the poles. Its
+        // points have longitudes ±λ from here, at a latitude φ with cos φ sin λ = sin s.
         let turn_rad = sin.atan2(cos_lat * cos);
         let (sin_beside, cos_beside) = (sin_lat * cos, (cos_lat * cos).hypot(sin));
         let beside_rad = sin_beside.atan2(cos_beside);
         let east_m = 2.0 * meridian(sin_beside, cos_beside).x * (sin / cos_beside);
         let beside_m = |lon_rad| self.height_m(beside_rad, lon_rad, spacing_rad);
         let east_rise_m = beside_m(lon_rad + turn_rad) - beside_m(lon_rad - turn_rad);
-        // Along the meridian, over a pole if it is so near.
+        // Along the meridian, across a pole if one is that near.
         let north_m =
             meridian(sin_lat * cos + cos_lat * sin, cos_lat * cos - sin_lat * sin).distance(
                 meridian(sin_lat * cos - cos_lat * sin, cos_lat * cos + sin_lat * sin),

@@ -1,22 +1,22 @@
-//! The block sphere of the 2011 paper: which blocks there are, which are culled, at which level of detail (LOD) they
-//! are drawn; and surfaces with relief. No GPU here.
+//! The block sphere of the 2011 paper: blocks, culling and level of detail (LOD); and surfaces with relief. This
+//! module uses no GPU.
 //!
-//! The Earth is cut into 16 × 8 blocks of 22.5° each; a block is drawn as a lattice of n × n cells.
-//! [`BlockGrid`] holds the lattice in f64, [`select_blocks`] chooses what an eye needs, [`screen_level`] and [`paper_level`]
-//! how fine a map it needs there, [`Meshes`] how fine a lattice.
+//! The Earth is divided into 16 × 8 blocks of 22.5° each. A block is drawn as a lattice of n × n cells. [`BlockGrid`] holds
+//! the lattice in f64, and [`select_blocks`] chooses the blocks that an eye needs. [`screen_level`] and [`paper_level`]
+//! choose the level of detail of the map, [`Meshes`] that of the lattice.
 //!
-//! Terrain is drawn by a [`Surface`], which turns a view and heights into patches of triangles:
+//! A [`Surface`] draws terrain: it converts a view and heights into patches of triangles. The surfaces are
 //! `DisplacedBlocks`, `projected_grid`, `quadtree`, `contours` or `clipmap`; `SurfaceKind` names them. They need the feature
 //! `terrain`.
 //!
-//! What lies outside the view frustum or behind the horizon is left out by `culling`, whoever draws it.
+//! `culling` excludes everything outside the view frustum or behind the horizon, for all surfaces.
 
 mod blocks;
 #[cfg(feature = "terrain")]
 pub mod clipmap;
 #[cfg(feature = "terrain")]
 pub mod contours;
-// Surfaces with relief and tracks ask it for more than blocks do.
+// Surfaces with relief and tracks need more of it than blocks do.
 pub mod culling;
 #[cfg(feature = "terrain")]
 mod displaced;
@@ -62,15 +62,16 @@ pub use surface::{
 };
 pub use surface::{DrawKind, Surface, SurfaceStats};
 
-/// Which blocks are drawn.
+/// Visibility test of blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Visibility {
-    /// Never loses a block of which anything can be seen.
+    /// Never drops a visible block.
     #[default]
     Conservative,
-    /// The paper's rule: a block is drawn if (e − v)·n > 0 at one of its four corners. Loses blocks near the ground.
+    /// The paper's rule: a block is drawn if (e − v)·n > 0 at one of its four corners. Drops visible blocks near the
+    /// ground.
     Paper,
 }
 

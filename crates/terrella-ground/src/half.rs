@@ -1,6 +1,7 @@
-//! IEEE half floats, as textures hold them.
+//! IEEE half floats, as in textures.
 
-/// A finite f32 as IEEE half bits, round to nearest, at most 65504 in size; below 2⁻²⁴ it is zero.
+/// Converts a finite f32 to IEEE half bits, rounded to nearest. The magnitude is limited to 65504;
+/// below 2⁻²⁴ it is zero.
 pub fn half_bits(value: f32) -> u16 {
     let sign = if value < 0.0 { 0x8000 } else { 0 };
     let size = value.abs().min(65504.0);

@@ -1,4 +1,4 @@
-//! What is said of heights where the ground itself may be left out.
+//! Types about heights that exist even without the elevation module.
 
 /// Lowest and highest of some heights, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -9,12 +9,12 @@ pub struct HeightRange {
     pub high_m: f64,
 }
 
-/// Tiles of heights that are streamed; all zero of heights that are in memory as a whole.
+/// Statistics of streamed height tiles; all zero if all heights are in memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct HeightTileStats {
     /// Tiles in memory.
     pub tiles: u32,
-    /// Bytes of all heights in memory, the coarsest level's among them.
+    /// Bytes of all heights in memory, including the coarsest level.
     pub bytes: u64,
     /// Requested tiles that are loading.
     pub wanted: u32,
@@ -22,6 +22,6 @@ pub struct HeightTileStats {
     pub rejected: u32,
     /// Requested tiles that could not be read.
     pub unreadable: u32,
-    /// How often a tile has come or gone since the start.
+    /// Number of loads and evictions since the start.
     pub changes: u64,
 }

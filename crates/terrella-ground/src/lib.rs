@@ -1,24 +1,24 @@
-//! The ground and the light on it, as numbers: nothing here knows the GPU.
+//! The ground and its light in numbers: this crate uses no GPU.
 //!
 //! | module | what |
 //! |---|---|
-//! | [`height`] | ranges of heights, and numbers of those that are streamed |
+//! | [`height`] | ranges of heights, and statistics of streamed heights |
 //! | [`elevation`] | heights of the ground: grids, their pyramids, readers of elevation data; with the feature `terrain` |
 //! | [`globe`] | the block sphere, and surfaces with relief: vertices, culling, level of detail |
 //! | [`air`] | density, scattering tables, the billboard |
 //! | [`light`] | exposure, tone curves, metering |
 //! | [`half`] | half floats |
 //!
-//! Hosts of the renderer meet what they need of it in the crate `terrella`.
+//! Hosts of the renderer find the items that they need in the crate `terrella`.
 
-// docs.rs says of each item which feature it needs.
+// docs.rs shows the required feature of each item.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![allow(
     missing_docs,
     reason = "what hosts meet of it is documented, the rest says itself"
 )]
 
-// Test files that other crates use too name this one as they do.
+// Test files shared with other crates use this crate's name.
 #[cfg(test)]
 extern crate self as terrella_ground;
 

@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 pub fn fly(app: &mut App) {
     app.add_plugins(TerrellaPlugin)
         .insert_resource(ClearColor(Color::BLACK))
-        // What the Earth sends back to the craft.
+        // Light from the Earth on the craft.
         .insert_resource(GlobalAmbientLight {
             color: Color::srgb(0.85, 0.93, 1.0),
             brightness: 300.0,
@@ -49,7 +49,7 @@ pub fn fly(app: &mut App) {
         .add_systems(Update, (keep_origin_at_craft, spin));
 }
 
-/// One picture of it, at the instant that it begins with.
+/// One image of the app at its first instant.
 pub fn still(size: (u32, u32)) -> Result<headless::Picture, Box<dyn Error>> {
     headless::still(fly, size, 0)
 }
@@ -74,7 +74,7 @@ impl Orbit {
         }
     }
 
-    /// The world of the craft: metres from it, y up, −z ahead.
+    /// The world of the craft: metres from it, y up, −z forward.
     fn frame(&self, epoch: Epoch) -> EarthFrame {
         let turn = std::f64::consts::TAU * (epoch - self.begin).to_seconds() / self.period_s;
         let plane =
@@ -92,7 +92,7 @@ impl Orbit {
     }
 }
 
-/// What spins.
+/// Marks the spinning model.
 #[derive(Component)]
 struct Craft;
 
@@ -108,7 +108,8 @@ fn spawn(
         EarthClock { rate: 20.0 },
     ));
 
-    // Light of the Earth and of the craft alike: the Sun of the date, none in the Earth's shadow, and Bevy's exposure for both.
+    // Light of the Earth and of the craft alike: the Sun of the date, dark in the Earth's shadow, with Bevy's exposure for
+    // both.
     commands.spawn(EarthSun {
         shadow_at: Some(DVec3::ZERO),
         ..default()
@@ -148,7 +149,7 @@ fn spawn(
         });
 }
 
-/// A floating origin: the craft stays at zero, and the frame says in f64 where that is.
+/// A floating origin: the craft stays at zero, and the frame holds its position in f64.
 fn keep_origin_at_craft(mut earth: Query<(&EarthEpoch, &mut EarthFrame)>) {
     for (epoch, mut frame) in &mut earth {
         *frame = Orbit::craft().frame(epoch.0);

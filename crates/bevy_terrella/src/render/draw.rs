@@ -1,4 +1,4 @@
-//! One camera's pass.
+//! The pass of one camera.
 
 use super::planet::Planets;
 use bevy::camera::{MainPassResolutionOverride, Viewport};
@@ -17,8 +17,8 @@ type Parts<'a> = (
     Option<&'a MainPassResolutionOverride>,
 );
 
-/// Runs between the opaque and the transparent pass: opaque things hide the Earth by depth, its air lies over those behind it, and
-/// transparent things lie over both.
+/// Runs between the opaque and the transparent pass. Opaque meshes hide the Earth by depth, and its atmosphere covers those behind
+/// it. Transparent meshes cover both.
 pub(super) fn draw(view: ViewQuery<Parts>, planets: Res<Planets>, mut context: RenderContext) {
     let (camera, view, target, depth, resolution) = view.into_inner();
     let entity = view.retained_view_entity.main_entity.id();

@@ -1,4 +1,4 @@
-//! From the main world: the Earth and its cameras; back to it: what became of them.
+//! Extracts the Earth and its cameras from the main world, and reports their status back.
 
 use super::overlays::SeenTracks;
 #[cfg(feature = "celestial")]
@@ -21,23 +21,23 @@ use std::sync::Arc;
 use terrella::Sky;
 use terrella::frames::Epoch;
 
-/// What the main world shows.
+/// Contents of the main world.
 #[derive(Resource, Default)]
 pub(super) struct SeenEarth {
     pub scene: Option<SeenScene>,
-    /// What is wrong with it, for all cameras.
+    /// Fault of the scene, for all cameras.
     pub fault: Option<Arc<EarthFault>>,
     pub cameras: Vec<(Entity, EarthCamera)>,
     pub tracks: SeenTracks,
     revisions: u64,
 }
 
-/// The one Earth.
+/// The single Earth.
 #[derive(Clone)]
 pub(super) struct SeenScene {
     entity: Entity,
     pub earth: Arc<Earth>,
-    /// Counts its changes.
+    /// Change counter.
     pub revision: u64,
     pub frame: EarthFrame,
     pub epoch: Epoch,
@@ -102,7 +102,7 @@ pub(super) fn extract(
     });
 }
 
-/// Takes over satellites, stations and lines where one of them has changed, has come or has gone.
+/// Extracts satellites, stations and lines if one of them changed, appeared or disappeared.
 #[cfg(feature = "tracks")]
 pub(super) fn extract_tracks(
     mut seen: ResMut<SeenEarth>,
@@ -116,7 +116,7 @@ pub(super) fn extract_tracks(
         stations.iter().len(),
         lines.iter().len(),
     ];
-    // One that went and one that came in the same frame: the one that came is a change.
+    // If one disappears and another appears in the same frame, the new one counts as a change.
     let is_same = *counts == now
         && !satellites.iter().any(|(_, one)| one.is_changed())
         && !stations.iter().any(|(_, one)| one.is_changed())
@@ -142,7 +142,7 @@ fn in_order<'w, T: Component + Clone>(
     Arc::new(found.into_iter().map(|(_, one)| T::clone(&one)).collect())
 }
 
-/// What became of each camera in the frame before.
+/// Status of each camera in the previous frame.
 #[derive(Resource, Default)]
 pub(super) struct Reports(pub Vec<(Entity, EarthCameraStatus)>);
 
@@ -157,7 +157,7 @@ pub(super) fn report(mut main: ResMut<MainWorld>, mut reports: ResMut<Reports>) 
         if *before == status {
             continue;
         }
-        // Once a fault, whatever the numbers in it do from frame to frame.
+        // Logs each kind of fault once, even if its numbers change from frame to frame.
         let kind = |status: &EarthCameraStatus| status.fault().map(std::mem::discriminant);
         if let Some(fault) = status.fault()
             && kind(&before) != kind(&status)

@@ -1,4 +1,4 @@
-//! A camera of Bevy's as the library's view.
+//! Converts a Bevy camera to the library's view.
 
 use crate::{EarthFault, EarthFrame};
 use bevy::camera::MainPassResolutionOverride;
@@ -8,13 +8,13 @@ use bevy::render::render_resource::TextureFormat;
 use bevy::render::view::ExtractedView;
 use terrella::{EyeView, Viewport};
 
-/// The least and the greatest scale of a transform's axes may differ by rounding alone.
+/// The smallest and the largest axis scale of a transform may differ only by rounding.
 const SCALE_TOLERANCE: f32 = 1e-4;
 
-/// The view, and the part of the target that it is drawn to.
+/// The view, and the part of the target that it covers.
 ///
 /// # Errors
-/// Cameras whose picture is not defined.
+/// Cameras without a defined image.
 pub(super) fn eye(
     view: &ExtractedView,
     jitter: Option<&TemporalJitter>,
@@ -31,7 +31,7 @@ pub(super) fn eye(
         return Err(EarthFault::Projection);
     }
     let (scale, rotation, eye) = view.world_from_view.to_scale_rotation_translation();
-    // The view's unit is `scale` units of the world: s · P · diag(1/s, 1/s, 1/s, 1) draws in the world's unit with the same depths.
+    // The view's unit is `scale` units of the world. s · P · diag(1/s, 1/s, 1/s, 1) draws in the world's unit with the same depths.
     clip_from_view.w_axis *= f64::from(uniform(scale)?);
     let size = resolution.map_or(view.viewport.zw(), |size| **size);
     Ok((
@@ -48,7 +48,7 @@ pub(super) fn eye(
     ))
 }
 
-/// Light in eight bits needs an encoding: Bevy writes it linear to formats without one.
+/// Eight-bit light needs an encoding: Bevy writes linear values to formats without one.
 fn check_format(format: TextureFormat) -> Result<(), EarthFault> {
     let is_float = matches!(
         format,
@@ -60,13 +60,13 @@ fn check_format(format: TextureFormat) -> Result<(), EarthFault> {
     }
 }
 
-/// Whether what lies at depth d is drawn 1/d as large: w = −z.
+/// Whether the projection is a perspective: sizes at depth d scale by 1/d, so w = −z.
 fn is_perspective(clip_from_view: &DMat4) -> bool {
     let w = clip_from_view.row(3);
     w.x == 0.0 && w.y == 0.0 && w.z == -1.0 && w.w == 0.0
 }
 
-/// The scale of all three axes.
+/// The common scale of all three axes.
 fn uniform(scale: Vec3) -> Result<f32, EarthFault> {
     let (least, greatest) = (scale.min_element(), scale.max_element());
     if least > 0.0 && greatest - least <= SCALE_TOLERANCE * greatest {

@@ -1,4 +1,4 @@
-//! What is drawn with the Earth for one camera: the sky beyond it, and tracks over it.
+//! Overlays of one camera: the sky beyond the Earth, and tracks over it.
 
 #[cfg(any(feature = "celestial", feature = "tracks"))]
 use crate::EarthFault;
@@ -20,7 +20,7 @@ use terrella::{Earth, EarthView, EyeView, FrameStats, Viewport, wgpu};
 /// Satellites, stations and lines of the main world.
 #[derive(Clone, Default)]
 pub(super) struct SeenTracks {
-    /// Counts their changes.
+    /// Change counter.
     pub revision: u64,
     #[cfg(feature = "tracks")]
     pub satellites: Arc<Vec<EarthTrack>>,
@@ -37,7 +37,7 @@ impl SeenTracks {
     }
 }
 
-/// The instant and the eye of a picture.
+/// The instant and the eye of an image.
 #[derive(Clone, Copy)]
 #[allow(dead_code, reason = "read by features")]
 pub(super) struct Moment<'m> {
@@ -46,7 +46,7 @@ pub(super) struct Moment<'m> {
     pub target: Viewport,
 }
 
-/// The view of the Earth that overlays are prepared for.
+/// The view of the Earth for which overlays are prepared.
 #[derive(Clone, Copy)]
 #[allow(dead_code, reason = "read by features")]
 pub(super) enum Seat<'e> {
@@ -64,7 +64,7 @@ pub(super) struct Overlays {
 }
 
 impl Overlays {
-    /// The sky for an Earth's own view.
+    /// The sky for the Earth's own view.
     #[cfg(feature = "celestial")]
     pub fn with_sky(
         device: &wgpu::Device,
@@ -79,9 +79,9 @@ impl Overlays {
         })
     }
 
-    /// The same for a further view.
+    /// The same for another view.
     pub fn new_view(&self, device: &wgpu::Device, view: &EarthView) -> Self {
-        // Of features that are off nothing is read.
+        // Unused if the features are off.
         let _ = (device, view);
         Self {
             #[cfg(feature = "celestial")]
@@ -94,7 +94,7 @@ impl Overlays {
         }
     }
 
-    /// Makes the tracks of an Earth's own view again.
+    /// Rebuilds the tracks of the Earth's own view.
     #[cfg(feature = "tracks")]
     pub fn make_tracks(
         &mut self,
@@ -116,13 +116,13 @@ impl Overlays {
         Ok(())
     }
 
-    /// Takes the tracks of an Earth's own view for a further one.
+    /// Shares the tracks of the Earth's own view with another view.
     #[cfg(feature = "tracks")]
     pub fn share_tracks(&mut self, own: &Self, view: &EarthView) {
         self.tracks = own.tracks.as_ref().map(|tracks| tracks.new_view(view));
     }
 
-    /// Prepares both for a picture, after the Earth, and counts them with it.
+    /// Prepares both for an image, after the Earth, and adds them to its statistics.
     pub fn prepare(
         &mut self,
         queue: &wgpu::Queue,
@@ -169,7 +169,7 @@ impl Overlays {
         }
     }
 
-    /// Draws the sky: behind the Earth, and behind the clouds over the eye.
+    /// Draws the sky: behind the Earth, and behind clouds above the eye.
     pub fn render_sky(&self, pass: &mut wgpu::RenderPass<'_>) {
         let _ = &pass;
         #[cfg(feature = "celestial")]
@@ -178,7 +178,7 @@ impl Overlays {
         }
     }
 
-    /// Draws the tracks: over all of it.
+    /// Draws the tracks on top of everything.
     pub fn render_tracks(&self, pass: &mut wgpu::RenderPass<'_>) {
         let _ = &pass;
         #[cfg(feature = "tracks")]

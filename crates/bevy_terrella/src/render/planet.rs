@@ -1,4 +1,4 @@
-//! An Earth for one format and sample count: made by a task, with a view for each camera.
+//! An Earth for one format and sample count: built by a task, with a view for each camera.
 
 use super::extract::SeenScene;
 use super::overlays::{Moment, Overlays, Seat, SeenTracks};
@@ -15,10 +15,10 @@ use std::sync::Arc;
 use terrella::frames::Epoch;
 use terrella::{Earth, EarthView, Exposure, EyeView, FrameRequest, ViewFrame, Viewport, wgpu};
 
-/// What pipelines are made for: the format and the samples of a camera's pass.
+/// Pipeline key: the format and the sample count of a camera's pass.
 pub(super) type Key = (TextureFormat, u32);
 
-/// One camera's picture of the Earth.
+/// One camera's image of the Earth.
 pub(super) struct Picture {
     pub camera: Entity,
     pub eye: EyeView,
@@ -37,15 +37,15 @@ impl Picture {
     }
 }
 
-/// Frames after which an Earth that no camera sees is dropped.
+/// Frames after which an unused Earth is dropped.
 const IDLE_FRAMES: u32 = 300;
 
-/// The Earths that there are.
+/// All Earths.
 #[derive(Resource, Default)]
 pub(super) struct Planets(Vec<Planet>);
 
 impl Planets {
-    /// The one for a key, made or being made as the scene says.
+    /// The Earth of a key; built, or being built, from the scene.
     pub fn of(&mut self, key: Key, scene: &SeenScene, gpu: Gpu<'_>) -> &mut Planet {
         let at = self.0.iter().position(|planet| planet.key == key);
         let at = at.unwrap_or_else(|| {
@@ -58,7 +58,7 @@ impl Planets {
         planet
     }
 
-    /// Ends a frame: those that no camera has seen for long are dropped.
+    /// Ends a frame, and drops Earths that are unused for long.
     pub fn age(&mut self) {
         for planet in &mut self.0 {
             planet.idle_frames += 1;
@@ -71,17 +71,18 @@ impl Planets {
         self.0.retain(|planet| planet.idle_frames <= IDLE_FRAMES);
     }
 
-    /// Drops all of them.
+    /// Drops all Earths.
     pub fn clear(&mut self) {
         self.0.clear();
     }
 
-    /// Whether there is a picture for a camera.
+    /// Whether an image is prepared for a camera.
     pub fn is_prepared(&self, camera: Entity) -> bool {
         self.seat(camera).is_some()
     }
 
-    /// Draws what was prepared for a camera: the Earth, the sky beyond it, clouds over the eye, and tracks.
+    /// Draws the prepared image of a camera: the Earth, the sky beyond it, clouds above the eye, and
+    /// tracks.
     pub fn render(&self, camera: Entity, pass: &mut wgpu::RenderPass<'_>) {
         match self.seat(camera) {
             Some((drawn, Some(other))) => {
@@ -114,19 +115,19 @@ impl Planets {
     }
 }
 
-/// What Earths are made with.
+/// Resources for building Earths.
 #[derive(Clone, Copy)]
 pub(super) struct Gpu<'g> {
     pub device: &'g RenderDevice,
     pub queue: &'g RenderQueue,
-    /// What reads maps that are assets.
+    /// Reads maps stored as assets.
     pub assets: Option<&'g AssetServer>,
 }
 
 /// An Earth for one key.
 pub(super) struct Planet {
     key: Key,
-    /// The scene's revision that it was made for, or is being made for.
+    /// The scene revision that it was built for or is being built for.
     revision: u64,
     making: Option<Task<Result<Drawn, EarthFault>>>,
     drawn: Option<Drawn>,
@@ -134,18 +135,18 @@ pub(super) struct Planet {
     idle_frames: u32,
 }
 
-/// An Earth with the cameras that see it. The first sees by the Earth's own view, each of the others by one of its own.
+/// An Earth with its cameras. The first uses the Earth's own view; each other camera has a separate one.
 struct Drawn {
     earth: Earth,
-    /// Of the Earth's own view.
+    /// Overlays of the Earth's own view.
     overlays: Overlays,
-    /// The revision of the tracks that are drawn, and why they are not.
+    /// The revision of the drawn tracks, and the reason if they are not drawn.
     tracks: (u64, Option<Arc<EarthFault>>),
     first: Option<Entity>,
     others: Vec<Other>,
 }
 
-/// A further camera.
+/// Another camera.
 struct Other {
     camera: Entity,
     view: EarthView,
@@ -164,7 +165,7 @@ impl Planet {
         }
     }
 
-    /// Takes what a task has made, and starts one where the scene has changed.
+    /// Accepts the result of a task, and starts one if the scene changed.
     fn follow(&mut self, scene: &SeenScene, gpu: Gpu<'_>) {
         if let Some(made) = self.making.as_mut().and_then(check_ready) {
             self.making = None;
@@ -174,7 +175,7 @@ impl Planet {
                 Err(fault) => self.fault = Some(Arc::new(fault)),
             }
         }
-        // One at a time: what is made now is shown before the next is begun.
+        // One task at a time: the current result is shown before the next task starts.
         if self.revision == scene.revision || self.making.is_some() {
             return;
         }
@@ -210,7 +211,7 @@ impl Planet {
         }));
     }
 
-    /// Prepares the pictures of a frame, and tells what became of them.
+    /// Prepares the images of a frame, and returns their status.
     pub fn prepare(
         &mut self,
         gpu: Gpu<'_>,
@@ -240,18 +241,19 @@ impl Planet {
 }
 
 impl Drawn {
-    /// Those who have left give up their views.
+    /// Releases the views of cameras that disappeared.
     fn seat(&mut self, pictures: &[&Picture]) {
         let is_there = |camera: Entity| pictures.iter().any(|picture| picture.camera == camera);
         self.first = self.first.filter(|&camera| is_there(camera));
         self.others.retain(|other| is_there(other.camera));
-        // The Earth's own view is always somebody's: it must be prepared with the others.
+        // The Earth's own view must always have a camera, because it must be prepared with the
+        // others.
         if self.first.is_none() {
             self.first = self.others.pop().map(|other| other.camera);
         }
     }
 
-    /// Makes tracks again where those of the main world have changed.
+    /// Rebuilds tracks if those of the main world changed.
     fn follow_tracks(&mut self, device: &wgpu::Device, seen: &SeenTracks) {
         if self.tracks.0 == seen.revision {
             return;

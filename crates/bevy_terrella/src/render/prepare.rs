@@ -1,4 +1,4 @@
-//! All pictures of a frame.
+//! Prepares all images of a frame.
 
 use super::extract::{Reports, SeenEarth};
 use super::eye::eye;

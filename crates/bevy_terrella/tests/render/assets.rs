@@ -1,4 +1,4 @@
-//! Maps that Bevy's `AssetServer` reads.
+//! Maps read by Bevy's `AssetServer`.
 
 use crate::compare::{channels, difference};
 use crate::headless;
@@ -20,7 +20,7 @@ fn night() -> View {
 fn app(view: &View, maps: EarthMaps) -> (App, Handle<Image>) {
     let folder = find_textures().expect("the starter maps");
     let assets = AssetPlugin {
-        // The folder that holds that of the maps.
+        // The parent of the map folder.
         file_path: folder.parent().expect("a folder").display().to_string(),
         ..default()
     };

@@ -1,4 +1,4 @@
-//! Several cameras, which come and go.
+//! Several cameras that appear and disappear.
 
 use crate::compare::{difference, part};
 use crate::headless;
@@ -7,8 +7,8 @@ use crate::scene::{self, SIZE, View, alone};
 use bevy::prelude::*;
 use terrella::Exposure;
 
-/// The station's view and one back over its shoulder, both as light, which is not dithered pixel by pixel; and a telescope's as it is
-/// shown, with an exposure of its own and more samples.
+/// The station's view and a view back over its shoulder, both as linear light, which has no per-pixel dithering. The third is a
+/// telescope's view as displayed, with its own exposure and more samples.
 fn three() -> [View; 3] {
     let station = View {
         hdr: true,
@@ -47,7 +47,7 @@ fn each_camera_sees_its_own_picture_while_others_come_and_go() {
     let apart = difference(&expected[0], &expected[1], views[0].format());
     assert!(apart.channels > 10_000, "{apart:?}");
 
-    // A split screen of two, and a texture of the third's own.
+    // A split screen of two, and a separate texture for the third.
     let mut app = scene::app(&views[0]);
     let screen = headless::target(&mut app, (2 * SIZE.0, SIZE.1), views[0].format());
     let texture = headless::target(&mut app, SIZE, views[2].format());
@@ -60,7 +60,7 @@ fn each_camera_sees_its_own_picture_while_others_come_and_go() {
     let is = |picture: &headless::Picture, at: u32, index: usize| {
         let found = part(picture, (at * SIZE.0, 0), SIZE);
         let found = difference(&found, &expected[index], views[index].format());
-        // A part that does not begin at the corner has rays of another rounding.
+        // Rays round differently in a part that does not start at the corner.
         let step = if views[index].hdr { 5e-3 } else { 0.0 };
         assert!(found.greatest <= step, "{index}: {found:?}");
         assert!(found.channels * 50 < found.of, "{index}: {found:?}");
@@ -74,13 +74,13 @@ fn each_camera_sees_its_own_picture_while_others_come_and_go() {
         2,
     );
 
-    // The camera that saw by the Earth's own view leaves, and another takes that over.
+    // The camera with the Earth's own view disappears, and another takes it over.
     app.world_mut().despawn(first);
     let mut right = app.world_mut().entity_mut(second);
     let mut right = right.get_mut::<Camera>().expect("a camera");
     (right.order, right.clear_color) = (0, ClearColorConfig::Default);
     is(&headless::draw(&mut app, &screen).expect("a picture"), 1, 1);
-    // One more beside the third, of its format and samples, sees with an exposure of its own; so too when it is alone.
+    // Another camera with the third's format and sample count has its own exposure, also when it is alone.
     let bright = View {
         exposure: Exposure::Ev(1.5),
         ..views[2]
@@ -104,7 +104,7 @@ fn each_camera_sees_its_own_picture_while_others_come_and_go() {
         let found = difference(&found, &expected_bright, format);
         assert_eq!(found.channels, 0, "{found:?}");
     }
-    // A camera that changes its samples is of another Earth, and comes back.
+    // A camera that changes its sample count switches to another Earth, and comes back.
     for msaa in [Msaa::Sample4, Msaa::Off] {
         app.world_mut().entity_mut(second).insert(msaa);
         headless::draw(&mut app, &screen).expect("a picture");

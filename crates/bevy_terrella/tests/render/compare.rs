@@ -1,9 +1,10 @@
-//! Pictures compared with each other.
+//! Comparison of images.
 
 use crate::headless::Picture;
 use bevy::render::render_resource::TextureFormat;
 
-/// Channels that differ by so much, and the greatest difference: of shown colours in 1/255, of light as a part of 1.
+/// Number of differing channels and the greatest difference: for displayed colours in 1/255, for light as a fraction
+/// of 1.
 #[derive(Debug)]
 pub struct Difference {
     pub channels: usize,
@@ -30,7 +31,7 @@ pub fn channels(picture: &Picture, format: TextureFormat) -> Vec<f64> {
     pixels.flat_map(|pixel| pixel[..3].to_vec()).collect()
 }
 
-/// How two pictures of one format differ.
+/// Difference of two images of one format.
 pub fn difference(a: &Picture, b: &Picture, format: TextureFormat) -> Difference {
     assert_eq!(a.size, b.size);
     let (a, b) = (channels(a, format), channels(b, format));
@@ -45,7 +46,7 @@ pub fn difference(a: &Picture, b: &Picture, format: TextureFormat) -> Difference
     }
 }
 
-/// Pictures of one view by matrices in f32 and in f64: pixels whose colour lies between two steps may take the other one.
+/// Compares images of one view by matrices in f32 and in f64. A colour between two steps may round either way.
 #[track_caller]
 pub fn assert_alike(found: &Difference, is_hdr: bool) {
     let step = if is_hdr { 5e-3 } else { 1.0 };
@@ -53,7 +54,7 @@ pub fn assert_alike(found: &Difference, is_hdr: bool) {
     assert!(found.channels * 50 < found.of, "{found:?}");
 }
 
-/// Share of the pixels that are lit.
+/// Fraction of lit pixels.
 pub fn lit(picture: &Picture, format: TextureFormat) -> f64 {
     let channels = channels(picture, format);
     let pixels = channels.as_chunks::<3>().0;
@@ -64,7 +65,7 @@ pub fn lit(picture: &Picture, format: TextureFormat) -> f64 {
     pixels.iter().filter(is_lit).count() as f64 / pixels.len() as f64
 }
 
-/// The part of a picture from a pixel on, of that size.
+/// The part of an image that starts at a pixel and has this size.
 pub fn part(picture: &Picture, (x, y): (u32, u32), (width, height): (u32, u32)) -> Picture {
     let texel = picture.bytes.len() / (picture.size.0 * picture.size.1) as usize;
     let rows = picture.bytes.chunks_exact(texel * picture.size.0 as usize);
@@ -76,7 +77,7 @@ pub fn part(picture: &Picture, (x, y): (u32, u32), (width, height): (u32, u32)) 
     }
 }
 
-/// The value of an IEEE half that is finite.
+/// The value of a finite IEEE half.
 fn of_half(bits: u16) -> f64 {
     let sign = if bits >> 15 == 1 { -1.0 } else { 1.0 };
     let mantissa = f64::from(bits & 0x3ff);

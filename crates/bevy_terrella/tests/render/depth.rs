@@ -9,7 +9,7 @@ use bevy_terrella::EarthSun;
 
 const MAGENTA: [u8; 3] = [255, 0, 255];
 
-/// Level from 420 km: the horizon lies 20.4° down, below the middle.
+/// A level view from 420 km: the horizon is 20.4° down, below the middle.
 fn level() -> View {
     View {
         transform: Transform::IDENTITY.looking_to(Vec3::new(0.0, -0.372, -1.0), Vec3::Y),
@@ -41,7 +41,7 @@ fn a_mesh_before_the_earth_hides_it_and_one_beyond_the_limb_is_hidden() {
     for msaa in [Msaa::Off, Msaa::Sample4] {
         let view = View { msaa, ..level() };
         let bare = with(&view, &[]);
-        // Along the axis of the view: 40 m before the camera, aside, and 6000 km away, behind the Earth in its lower half.
+        // One block is 40 m ahead and aside. The other is 6000 km away, behind the lower half of the Earth.
         let ahead = *view.transform.forward();
         let right = *view.transform.right();
         let near = ahead * 40.0 - right * 8.0 - *view.transform.up() * 4.0;
@@ -51,18 +51,19 @@ fn a_mesh_before_the_earth_hides_it_and_one_beyond_the_limb_is_hidden() {
             &[(Vec3::splat(4.0), near), (Vec3::splat(1.6e6), far)],
         );
         let height = SIZE.1;
-        // 8 m and 4 m at 40, 0.8 and 6: what the lens makes 90 pixels of is tan 0.3.
+        // 8 m and 4 m at 40, 0.8 and 6. 90 pixels correspond to tan 0.3.
         let pixels = 90.0 / 0.3_f64.tan();
         let near_at = (160 - (pixels * 0.2) as u32, 90 + (pixels * 0.1) as u32);
         let x_far = 160 + (pixels * 8.0 / 60.0) as u32;
         let is_far = |y: u32| pixel(&picture, (x_far, y)) == MAGENTA;
         let is_bare = |x: u32, y: u32| pixel(&picture, (x, y)) == pixel(&bare, (x, y));
 
-        // Before the ground: seen.
+        // In front of the ground: visible.
         assert_eq!(pixel(&picture, near_at), MAGENTA, "{msaa:?}");
         assert_ne!(pixel(&bare, near_at), MAGENTA);
 
-        // Beyond the limb: seen above it, through the air just above, and nowhere on the ground.
+        // Beyond the limb: visible above it, through the atmosphere just above, and nowhere on the
+        // ground.
         let seen: Vec<_> = (0..height).filter(|&y| is_far(y)).collect();
         let ground = (0..height).find(|&y| pixel(&bare, (x_far, y)).iter().all(|&c| c > 20));
         let ground = ground.expect("ground in view");
@@ -71,7 +72,7 @@ fn a_mesh_before_the_earth_hides_it_and_one_beyond_the_limb_is_hidden() {
             seen.iter().all(|&y| y < ground),
             "{msaa:?} {seen:?} {ground}"
         );
-        // Without the Earth it would reach down to here: its half is 800 km in 6000.
+        // Without the Earth it would extend down to here: its half is 800 km in 6000.
         let bottom = height / 2 + (pixels * 0.13) as u32;
         assert!(bottom > ground + 20, "{bottom} {ground}");
         let through = (ground + 8..bottom).filter(|&y| !is_bare(x_far, y));
@@ -140,7 +141,7 @@ fn a_scaled_camera_shares_depth_too() {
     if Native::open().is_none() {
         return;
     }
-    // In a scaled view Bevy's near plane and depths are scaled with it; the picture is the same.
+    // A scaled view scales Bevy's near plane and depths as well; the image is the same.
     let view = level();
     let scaled = View {
         transform: view.transform.with_scale(Vec3::splat(4.0)),

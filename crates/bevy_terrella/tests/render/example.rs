@@ -1,4 +1,4 @@
-//! The example, run.
+//! Runs the examples.
 
 use crate::craft;
 use crate::native::Native;
@@ -15,7 +15,7 @@ fn a_craft_is_drawn_before_the_earth() {
         let found = pixels.iter().filter(|pixel| is_it(pixel)).count();
         found as f64 / pixels.len() as f64
     };
-    // The craft's panels are deep blue, the Earth in daylight below it is lighter, space above it black.
+    // The craft's panels are deep blue, the daylit Earth below is lighter, and space above is black.
     let panels = part(|[r, g, b, _]| *b > 90 && *r < 40 && *g < 55);
     let (lit, space) = (part(|p| p[2] > 50), part(|p| p[..3] == [0, 0, 0]));
     assert!((0.01..0.15).contains(&panels), "panels {panels}");
@@ -33,7 +33,7 @@ fn a_raw_frame_is_taken() {
     let mut numbers = frame.data;
     numbers.sort_unstable();
     let part = |part: usize| numbers[numbers.len() * part / 100];
-    // Bias and noise in space, haze and land below the horizon, no white.
+    // Bias and noise in space, haze and land below the horizon, no saturation.
     assert!((60..70).contains(&part(5)), "{}", part(5));
     assert!((150..4000).contains(&part(95)), "{}", part(95));
 }

@@ -1,4 +1,4 @@
-//! What is wrong stands in the camera's status, and passes when it is put right.
+//! Faults appear in the camera's status, and disappear when corrected.
 
 use crate::headless::{self, wait};
 use crate::native::{Native, maps};
@@ -9,7 +9,7 @@ use bevy_terrella::{Earth, EarthCamera, EarthEpoch, EarthFault, EarthMaps};
 use terrella::frames::Epoch;
 use terrella::{EarthError, Exposure, LayerSelection};
 
-/// Waits until the only camera's fault is this one.
+/// Waits until the only camera has this fault.
 #[track_caller]
 fn fails(app: &mut App, what: &str, is_it: impl Fn(&EarthFault) -> bool) {
     let found = wait(app, |status| status.fault().is_some_and(&is_it));
@@ -91,7 +91,7 @@ fn faults_are_told_and_pass() {
     let linear = headless::target(&mut app, SIZE, TextureFormat::Rgba8Unorm);
     let linear = bevy::camera::RenderTarget::Image(linear.into());
     app.world_mut().entity_mut(camera).insert(linear);
-    // Bevy looks at a camera's target when something of the camera changes.
+    // Bevy checks a camera's target only when something of the camera changes.
     app.world_mut()
         .get_mut::<Projection>(camera)
         .expect("one")

@@ -1,4 +1,4 @@
-//! Apps without a window, drawn into memory.
+//! Apps without a window that draw into memory.
 
 use bevy::app::{App, Plugins, PluginsState};
 use bevy::asset::{Assets, Handle};
@@ -15,23 +15,23 @@ use bevy_terrella::{EarthCamera, EarthCameraStatus, EarthClock};
 use std::error::Error;
 use std::time::{Duration, Instant};
 
-/// Eight bits a channel, encoded.
+/// Eight bits per channel, encoded.
 pub const SRGB: TextureFormat = TextureFormat::Rgba8UnormSrgb;
 
-/// Longest that a picture is waited for.
+/// Maximum wait for an image.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A picture in memory.
+/// An image in memory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     /// Width and height, pixels.
     pub size: (u32, u32),
-    /// Rows one after another, without padding, as the target stores them.
+    /// Contiguous rows without padding, as the target stores them.
     pub bytes: Vec<u8>,
 }
 
 impl Picture {
-    /// Writes an 8-bit picture as a PNG, opaque.
+    /// Writes an 8-bit image as an opaque PNG.
     pub fn save(&self, path: impl AsRef<std::path::Path>) -> Result<(), Box<dyn Error>> {
         let file = std::io::BufWriter::new(std::fs::File::create(path)?);
         let mut encoder = png::Encoder::new(file, self.size.0, self.size.1);
@@ -42,13 +42,13 @@ impl Picture {
     }
 }
 
-/// Bevy with all that draws, and neither a window nor a thread for rendering: after `update` the frame is submitted. What it draws with
-/// is there when it is drawn: pipelines are not awaited in later frames.
+/// Bevy with all drawing plugins, but without a window or a render thread: after `update` the frame is submitted. Pipelines are
+/// compiled synchronously, so no later frame has to wait for them.
 pub fn app() -> App {
     app_with_assets(AssetPlugin::default())
 }
 
-/// The same with assets of another folder.
+/// The same with another asset folder.
 pub fn app_with_assets(assets: AssetPlugin) -> App {
     let mut app = App::new();
     let window = WindowPlugin {
@@ -71,7 +71,7 @@ pub fn app_with_assets(assets: AssetPlugin) -> App {
     app
 }
 
-/// Ends what `App::run` would do before the first frame.
+/// Finishes the setup that `App::run` does before the first frame.
 pub fn start(app: &mut App) {
     while app.plugins_state() == PluginsState::Adding {
         bevy::tasks::tick_global_task_pools_on_main_thread();
@@ -80,14 +80,14 @@ pub fn start(app: &mut App) {
     app.cleanup();
 }
 
-/// A texture to draw to, which can be read back.
+/// A texture to draw to and read back.
 pub fn target(app: &mut App, (width, height): (u32, u32), format: TextureFormat) -> Handle<Image> {
     let mut image = Image::new_target_texture(width, height, format, None);
     image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
     app.world_mut().resource_mut::<Assets<Image>>().add(image)
 }
 
-/// What has been read back last.
+/// Result of the last readback.
 #[derive(Resource)]
 struct Read(Vec<u8>);
 
@@ -97,13 +97,13 @@ pub fn draw(app: &mut App, image: &Handle<Image>) -> Result<Picture, Box<dyn Err
     read(app, image)
 }
 
-/// Runs frames until this holds of all cameras.
+/// Runs frames until the condition is true for all cameras.
 pub fn wait(
     app: &mut App,
     holds: impl Fn(&EarthCameraStatus) -> bool,
 ) -> Result<(), Box<dyn Error>> {
     let begin = Instant::now();
-    // What a frame became of is known in the one after next.
+    // The status of a frame is known two frames later.
     app.update();
     app.update();
     loop {
@@ -121,7 +121,7 @@ pub fn wait(
     }
 }
 
-/// One picture of an app's only camera, at the instant that its only clock begins with, so many frames after the Earth is there.
+/// One image of an app's only camera, at the first instant of its only clock, `frames` frames after the Earth is ready.
 pub fn still<M>(
     fly: impl Plugins<M>,
     size: (u32, u32),

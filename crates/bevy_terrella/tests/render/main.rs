@@ -1,4 +1,4 @@
-//! The Earth in Bevy, compared with the native host's.
+//! The Earth in Bevy, compared with the native host.
 #![allow(
     clippy::duplicate_mod,
     reason = "each example includes the app without a window"

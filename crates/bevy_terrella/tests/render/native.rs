@@ -1,4 +1,4 @@
-//! The native host: Terrella on a device of its own, without Bevy.
+//! The native host: Terrella on its own device, without Bevy.
 
 use crate::headless::Picture;
 use bevy::render::render_resource::TextureFormat;
@@ -23,7 +23,7 @@ pub fn maps() -> Arc<EarthLayers> {
     MAPS.get_or_init(load).clone()
 }
 
-/// Without synthetic detail, which turns the rounding of matrices into steps of colour.
+/// Light without synthetic detail, which turns rounding of matrices into colour differences.
 pub fn light() -> SurfaceLight {
     SurfaceLight {
         detail: false,
@@ -31,7 +31,7 @@ pub fn light() -> SurfaceLight {
     }
 }
 
-/// What a program draws beside the Earth.
+/// Drawn objects besides the Earth.
 #[derive(Default)]
 pub struct Beside {
     pub celestial: Option<CelestialOptions>,
@@ -47,7 +47,8 @@ pub struct Native {
 }
 
 impl Native {
-    /// A device of the adapter that Bevy takes. `None`, said aloud, where there is no adapter; then nothing can be drawn here.
+    /// Opens a device of the adapter that Bevy uses. Prints a message and returns `None` without an adapter, because nothing
+    /// can be drawn then.
     pub fn open() -> Option<Self> {
         let instance =
             wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
@@ -67,7 +68,7 @@ impl Native {
         Some(Self { device, queue })
     }
 
-    /// A picture as the program would draw it.
+    /// An image as the program would draw it.
     pub fn draw(
         &self,
         key: (TextureFormat, u32),

@@ -1,4 +1,4 @@
-//! One frame of Bevy's beside the native host's of the same view.
+//! One Bevy frame, compared with the native host's of the same view.
 
 use crate::compare::{assert_alike, difference, lit};
 use crate::native::Native;
@@ -11,7 +11,7 @@ use bevy_terrella::EarthFrame;
 use terrella::frames::Geodetic;
 use terrella::{Exposure, EyeView};
 
-/// The view with the matrices that Bevy makes of it, in f32.
+/// The view with Bevy's matrices in f32.
 pub fn as_bevy_has_it(view: &View) -> EyeView {
     let (width, height) = SIZE;
     let mut projection = PerspectiveProjection {
@@ -66,7 +66,7 @@ fn a_frame_is_the_native_hosts_in_each_format() {
     }
 }
 
-/// A world whose zero is ten million kilometres from the Earth, and in it an eye 2 km over the coast of Somalia, 50 m further each step.
+/// A world with its zero ten million kilometres from the Earth. An eye in it is 2 km over the coast of Somalia, 50 m farther each step.
 fn far_world(step: u32) -> (EarthFrame, DVec3) {
     let local = EarthFrame::local(Geodetic::from_degrees(-0.4, 42.6, 2_000.0));
     let world = local.shifted(DVec3::new(6e9, -7e9, 4e9));
@@ -89,7 +89,7 @@ fn a_camera_that_moves_sees_what_the_native_host_does_by_a_floating_origin() {
             ..View::station()
         };
         is_the_native_hosts(&native, &view);
-        // The native host, in the world itself, all in f64.
+        // The native host in the world itself, all in f64.
         let eye = EyeView {
             eye_world,
             itrf_from_world: world.itrf_from_world,
@@ -102,7 +102,7 @@ fn a_camera_that_moves_sees_what_the_native_host_does_by_a_floating_origin() {
         assert!(found.channels * 50 < found.of, "{found:?}");
         expected = Some((view, world, eye_world, drawn));
     }
-    // With its place in that world as f32 the camera stands up to half a kilometre elsewhere.
+    // With its f32 position in that world, the camera is up to half a kilometre off.
     let (view, frame, eye_world, expected) = expected.expect("three steps");
     let view = View {
         frame,

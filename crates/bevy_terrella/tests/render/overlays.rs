@@ -1,4 +1,4 @@
-//! The sky beyond the Earth and the tracks over it, compared with the native host's.
+//! The sky beyond the Earth and the tracks over it, compared with the native host.
 
 use crate::compare::{assert_alike, channels, difference, part};
 use crate::headless::{self, Picture};
@@ -15,10 +15,10 @@ use terrella::frames::{Ellipsoid, Epoch, Geodetic};
 use terrella::orbit::Catalogue;
 use terrella::tracks::{LineStyle, Polylines, Station};
 
-/// Frames in which curves of satellites grow to their ends.
+/// Frames in which satellite curves grow to their full length.
 const GROWTH: usize = 12;
 
-/// Space station over the night side, with the limb in the middle and stars above it.
+/// The space station over the night side, with the limb in the middle and stars above it.
 fn by_night(hdr: bool, msaa: Msaa) -> View {
     View {
         epoch: Epoch::from_gregorian_utc(2018, 1, 20, 22, 0, 0, 0),
@@ -59,7 +59,7 @@ fn graticule() -> Polylines {
     Polylines::graticule(style, &Ellipsoid::WGS84, 15.0).expect("a graticule")
 }
 
-/// The native host's, with the matrices that Bevy has.
+/// The native host's image, with Bevy's matrices.
 fn native(native: &Native, view: &View, beside: &Beside) -> Picture {
     let key = (view.format(), view.msaa.samples());
     let seen = (&as_bevy_has_it(view), &view.sky());
@@ -71,7 +71,7 @@ fn earth(app: &mut App) -> Entity {
     earths.single(app.world()).expect("one Earth")
 }
 
-/// A picture when all curves have grown.
+/// An image after all curves have grown.
 fn grown(app: &mut App, image: &Handle<Image>) -> Picture {
     headless::wait(app, EarthCameraStatus::is_drawn).expect("drawn");
     for _ in 0..GROWTH {
@@ -80,7 +80,7 @@ fn grown(app: &mut App, image: &Handle<Image>) -> Picture {
     headless::read(app, image).expect("a picture")
 }
 
-/// How far a change reaches: channels that differ by more than noise of dithering.
+/// Extent of a change: channels that differ by more than dithering noise.
 fn changed(a: &Picture, b: &Picture, view: &View) -> usize {
     let (a, b) = (channels(a, view.format()), channels(b, view.format()));
     let least = if view.hdr { 0.02 } else { 8.0 };
@@ -108,7 +108,7 @@ fn the_sky_is_the_native_hosts() {
         app.world_mut()
             .entity_mut(at)
             .insert(EarthCelestial::default());
-        // What was drawn before is drawn until the new Earth is ready.
+        // The old image is drawn until the new Earth is ready.
         app.update();
         app.update();
         let begin = std::time::Instant::now();
@@ -157,7 +157,7 @@ fn tracks_are_the_native_hosts_and_follow_their_entities() {
         eprintln!("{hdr} {msaa:?}: {found:?}");
         assert_alike(&found, view.hdr);
 
-        // One that goes, and one that comes in its place.
+        // One satellite disappears, and another appears in its place.
         app.world_mut().despawn(satellite);
         app.world_mut().despawn(lines);
         let fewer = Beside {
@@ -196,7 +196,7 @@ fn meshes_hide_stars_and_tracks_and_each_camera_has_its_own() {
         .insert(EarthCelestial::default());
     app.world_mut().spawn(track());
     app.world_mut().spawn(EarthLines::new(graticule()));
-    // A split screen: afar on the left, level on the right.
+    // A split screen: the distant view on the left, the level view on the right.
     let turned = View {
         transform: night.transform,
         ..view
@@ -225,7 +225,7 @@ fn meshes_hide_stars_and_tracks_and_each_camera_has_its_own() {
         assert_alike(&found, view.hdr);
     }
 
-    // A black wall before the left camera, wider than its picture.
+    // A black wall in front of the left camera, wider than its image.
     let wall = view.transform.forward() * 50.0;
     block(&mut app, Vec3::new(400.0, 1.0, 400.0), wall, Color::BLACK);
     let hidden = part(&grown(&mut app, &screen), (0, 0), SIZE);

@@ -10,7 +10,7 @@ use bevy::render::error_handler::{RenderErrorHandler, RenderErrorPolicy};
 use bevy::render::render_resource::PollType;
 use bevy::render::renderer::RenderDevice;
 
-/// When the device came that there is.
+/// Change tick of the current device.
 fn device_since(app: &App) -> Tick {
     app.world().resource_ref::<RenderDevice>().last_changed()
 }
@@ -27,17 +27,17 @@ fn on_a_new_device_the_earth_is_what_it_was() {
     }));
     let image = headless::target(&mut app, SIZE, view.format());
     scene::camera(&mut app, &view, &image, None);
-    // Read back in another app: Bevy would read by buffers of the lost device.
+    // Read back in another app, because Bevy would use buffers of the lost device.
     let before = scene::alone(&view);
     headless::wait(&mut app, |status| status.is_drawn()).expect("the Earth");
 
     let since = device_since(&app);
     let lost = app.world().resource::<RenderDevice>().clone();
-    // Bevy does not bear that a buffer goes while it waits to read it.
+    // Bevy fails if a buffer is destroyed while it waits to read it.
     let answered = lost.poll(PollType::wait_indefinitely());
     answered.expect("the frames so far");
     lost.wgpu_device().destroy();
-    // Bevy is told of it here, before it draws another frame: as after a frame on which a driver gave up.
+    // Notifies Bevy before it draws another frame, as after a driver failure during a frame.
     lost.poll(PollType::Poll)
         .expect("the last word of the device");
     let mut frames = 0;

@@ -16,7 +16,7 @@ use terrella::{Exposure, EyeView, Sky};
 /// Near plane of all cameras, units of the world.
 pub const NEAR: f32 = 0.1;
 
-/// Width and height of the pictures, pixels.
+/// Width and height of the images, pixels.
 pub const SIZE: (u32, u32) = (320, 180);
 
 /// A view of the Earth.
@@ -32,7 +32,7 @@ pub struct View {
 }
 
 impl View {
-    /// The space station's: 420 km over Egypt, the limb in the upper half.
+    /// The space station's view: 420 km over Egypt, with the limb in the upper half.
     pub fn station() -> Self {
         let eye = Vec3::new(22.0, 12.0, 30.0);
         Self {
@@ -47,7 +47,7 @@ impl View {
         }
     }
 
-    /// The format of the texture that it is drawn to, and of its target.
+    /// Format of the texture that it draws to, and of its target.
     pub fn format(&self) -> TextureFormat {
         match self.hdr {
             true => TextureFormat::Rgba16Float,
@@ -55,7 +55,7 @@ impl View {
         }
     }
 
-    /// What lights it.
+    /// Lights of the scene.
     pub fn sky(&self) -> Sky {
         Sky::at(self.epoch)
     }
@@ -78,7 +78,7 @@ impl View {
     }
 }
 
-/// Bevy with the plugin, an Earth of a view's frame and date, and nothing else.
+/// Bevy with the plugin, an Earth at a view's frame and date, and nothing else.
 pub fn app(view: &View) -> App {
     let earth = Earth {
         light: light(),
@@ -87,7 +87,7 @@ pub fn app(view: &View) -> App {
     app_of(headless::app(), view, earth)
 }
 
-/// The same in an app that has Bevy's plugins, with this Earth.
+/// The same in an app with Bevy's plugins and this Earth.
 pub fn app_of(mut app: App, view: &View, earth: Earth) -> App {
     app.add_plugins(TerrellaPlugin)
         .insert_resource(ClearColor(Color::BLACK));
@@ -99,7 +99,7 @@ pub fn app_of(mut app: App, view: &View, earth: Earth) -> App {
     app
 }
 
-/// Adds a camera of a view, with a target of its own or a part of one.
+/// Adds a camera of a view, with its own target or a part of one.
 pub fn camera(
     app: &mut App,
     view: &View,
@@ -131,7 +131,7 @@ pub fn camera(
         Projection::Perspective(PerspectiveProjection {
             fov: view.fov_rad,
             near: NEAR,
-            // Bevy culls what is farther; its depth goes to infinity.
+            // Bevy culls objects beyond it; its depth range is infinite.
             far: 1e9,
             ..default()
         }),
@@ -146,7 +146,7 @@ pub fn camera(
     camera.id()
 }
 
-/// The picture of one camera in an app of its own.
+/// The image of one camera in a separate app.
 pub fn alone(view: &View) -> Picture {
     let mut app = app(view);
     let image = headless::target(&mut app, SIZE, view.format());
@@ -154,7 +154,7 @@ pub fn alone(view: &View) -> Picture {
     headless::draw(&mut app, &image).expect("a picture")
 }
 
-/// Adds a box of one colour that no light changes.
+/// Adds an unlit box of one colour.
 pub fn block(app: &mut App, size: Vec3, at: Vec3, color: Color) -> Entity {
     let mesh = Cuboid::from_size(size);
     let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);

@@ -18,7 +18,7 @@ use terrella_sensor::{
 };
 
 const SIZE: [u32; 2] = [160, 100];
-/// Off the middle, so that nothing is symmetric.
+/// Away from the middle, so that nothing is symmetric.
 const PRINCIPAL_POINT: [f64; 2] = [70.0, 56.0];
 const FOCAL_PX: f64 = 150.0;
 /// k1, k2, p1, p2.
@@ -54,7 +54,7 @@ fn sensor(noise: f64) -> Sensor {
     }
 }
 
-/// What a sensor's camera has handed out.
+/// Frames delivered by a sensor camera.
 #[derive(Resource, Default)]
 struct Taken(Vec<RawFrameTaken>);
 
@@ -94,10 +94,10 @@ fn raw(taken: &RawFrameTaken) -> &(RawFrame, Wells) {
     taken.raw.as_ref().expect("a raw frame")
 }
 
-/// The native host's picture for a sensor, in f64 matrices.
+/// The native host's view for a sensor, with f64 matrices.
 fn eye(view: &View, frame: &PinholeFrame) -> EyeView {
     let (least, most) = (frame.rect.least, frame.rect.most);
-    // Of the frustum's edges at depth 1: right, left, top, bottom.
+    // Frustum edges at depth 1: right, left, top, bottom.
     let (r, l, t, b) = (most.x, least.x, -least.y, -most.y);
     EyeView {
         clip_from_view: DMat4::from_cols(
@@ -158,11 +158,11 @@ fn a_raw_frame_is_that_of_the_native_hosts_light() {
         lit > 4_000 && least < 64 && most > 1_000,
         "{lit} {least} {most}"
     );
-    // Noise is another in each frame, and light is the same.
+    // Noise differs between frames; light does not.
     assert_ne!(raw(&taken[0]).0.data, raw(&taken[1]).0.data);
 }
 
-/// Brown–Conrady as OpenCV's manual has it.
+/// The Brown–Conrady model as in OpenCV's manual.
 fn projected(x: f64, y: f64) -> [f64; 2] {
     let [k1, k2, p1, p2] = DISTORTION;
     let s = x * x + y * y;
@@ -176,14 +176,14 @@ fn projected(x: f64, y: f64) -> [f64; 2] {
 #[test]
 fn meshes_lie_where_the_lens_has_them() {
     let Some(_) = Native::open() else { return };
-    // Above the Earth, which lies below and is not seen: space and three blocks.
+    // Above the Earth, which is below and invisible: space and three blocks.
     let view = View {
         frame: EarthFrame::default().shifted(bevy::math::DVec3::new(0.0, -4e7, 0.0)),
         transform: Transform::IDENTITY.looking_to(Vec3::NEG_Z, Vec3::Y),
         ..View::station()
     };
     let (mut app, camera) = app(&view, sensor(0.0));
-    // x right, y down, both over the depth.
+    // x right, y down, both divided by the depth.
     let places = [(0.0, 0.0), (0.45, -0.25), (-0.38, 0.22)];
     for (x, y) in places {
         let at = Vec3::new(x, -y, -1.0) * 20.0;
@@ -239,7 +239,7 @@ fn sensors_that_take_no_frame_say_why() {
         "{fault}"
     );
 
-    // A sensor that is mended takes frames.
+    // A corrected sensor takes frames.
     let mut broken = sensor(0.0);
     broken.shutter = rolling;
     let (mut app, camera) = app(&View::station(), broken);

@@ -1,24 +1,24 @@
-//! What the air is made of: scattering and absorption at the wavelengths that it is computed at.
+//! Composition of the atmosphere: scattering and absorption at the wavelengths of the computation.
 //!
-//! Tables are computed at the eight wavelengths of [`Spectrum`]. Where shaders multiply, three stand for red, green and blue
-//! ([`RGB_BANDS`]): fitted to daylight's spectra alone they leave 1 %, worst 4 %.
+//! Tables are computed at the eight wavelengths of [`Spectrum`]. Where shaders multiply coefficients, they use three bands for red, green and blue
+//! ([`RGB_BANDS`]). Fitted to daylight spectra alone, they leave an error of 1 %, at most 4 %.
 
 use super::profile::{self, AEROSOL_SCALE_HEIGHT_M, THICKNESS_M};
 use super::spectrum::Spectrum;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// What of the air a scene may choose.
+/// Atmosphere options of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AirOptions {
-    /// Vertical optical depth of the aerosol at 550 nm, 0 (clear air) to [`AirOptions::MAX_AEROSOL`]. It falls with height by
-    /// a scale of 1.5 km and with wavelength by its power −1.3, scatters 95 % of what it takes away and scatters forward
-    /// (Henyey–Greenstein, g = 0.7): continental haze, of which 0.1 is a clear day.
+    /// Vertical optical depth of the aerosol at 550 nm, 0 (clear air) to [`AirOptions::MAX_AEROSOL`]. Density falls with
+    /// height with a scale of 1.5 km, and optical depth with wavelength to the power −1.3. The aerosol scatters 95 % of the
+    /// light that it removes, mostly forward (Henyey–Greenstein, g = 0.7). This is continental haze; 0.1 is a clear day.
     pub aerosol_optical_depth: f64,
 }
 
 impl AirOptions {
-    /// The most aerosol that tables are good for.
+    /// Largest aerosol optical depth for which the tables are valid.
     pub const MAX_AEROSOL: f64 = 5.0;
 }
 
@@ -30,17 +30,18 @@ impl Default for AirOptions {
     }
 }
 
-/// Optical depths of a vertical column at some wavelengths.
+/// Optical depths of a vertical column at several wavelengths.
 #[derive(Clone, Copy, Debug)]
 struct Depths<V> {
     molecules: V,
-    /// Of 300 Dobson units of ozone.
+    /// For 300 Dobson units of ozone.
     ozone: V,
-    /// Of the aerosol, relative to that at 550 nm.
+    /// Aerosol, relative to its depth at 550 nm.
     aerosol: V,
 }
 
-/// At the wavelengths of [`Spectrum`]. Molecules: Bodhaine et al. 1999 (J. Atmos. Oceanic Technol. 16, 1854), equation 31.
+/// Depths at the wavelengths of [`Spectrum`]. Molecules: Bodhaine et al. 1999 (J. Atmos. Oceanic Technol. 16, 1854),
+/// equation 31.
 /// Ozone: Serdyuchenko et al. 2014 (Atmos. Meas. Tech. 7, 625) at 233 K, means over 10 nm.
 const BANDS: Depths<Spectrum> = Depths {
     molecules: Spectrum::new([
@@ -54,20 +55,20 @@ const BANDS: Depths<Spectrum> = Depths {
     ]),
 };
 
-/// Depths that stand for red, green and blue, fitted to the same spectra.
+/// Depths for red, green and blue, fitted to the same spectra.
 const RGB_BANDS: Depths<DVec3> = Depths {
     molecules: DVec3::new(0.048_06, 0.101_24, 0.232_35),
     ozone: DVec3::new(0.038_90, 0.023_90, 0.0),
     aerosol: DVec3::new(0.8153, 1.0119, 1.3264),
 };
 
-/// Scattering as part of the aerosol's extinction.
+/// Fraction of the aerosol's extinction that is scattering.
 const AEROSOL_ALBEDO: f64 = 0.95;
 /// Asymmetry g of the aerosol's phase function.
 pub const AEROSOL_ASYMMETRY: f64 = 0.7;
 
-/// Rayleigh's phase function is a + b·cos², 1/sr: 3/(16π(1 + 2γ))·((1 + 3γ) + (1 − γ)cos²), with γ = 0.0141 for air whose
-/// scattered light is depolarised by 0.0279 (Young 1981; Bucholtz 1995, equation 12).
+/// Rayleigh's phase function is a + b·cos², 1/sr: 3/(16π(1 + 2γ))·((1 + 3γ) + (1 − γ)cos²). γ = 0.0141 for air with a
+/// depolarisation ratio of 0.0279 (Young 1981; Bucholtz 1995, equation 12).
 pub const RAYLEIGH_PHASE: [f64; 2] = {
     const GAMMA: f64 = 0.0141;
     const SCALE: f64 = 3.0 / (16.0 * PI * (1.0 + 2.0 * GAMMA));
@@ -79,55 +80,55 @@ pub const RADIUS_M: f64 = 6_378_137.0;
 /// Upper boundary in scaled space, 1 + H/a.
 pub const TOP: f64 = 1.0 + THICKNESS_M / RADIUS_M;
 
-/// The air of a scene.
+/// The atmosphere of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AirModel {
     molecules_per_radius: Spectrum,
     ozone_per_radius: Spectrum,
     aerosol_per_radius: Spectrum,
     rgb: RgbCoefficients,
-    /// Height of the sphere of radius 1 above the surface, metres.
+    /// Height above the surface of the sphere of radius 1, metres.
     base_m: f64,
 }
 
-/// Coefficients for red, green and blue, 1/m: what shaders march with.
+/// Coefficients for red, green and blue, 1/m, for ray marching in shaders.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RgbCoefficients {
     /// Scattering by molecules at the ground.
     pub molecules: DVec3,
-    /// Absorption by ozone where it is densest.
+    /// Absorption by ozone at its peak density.
     pub ozone: DVec3,
     /// Scattering by aerosol at the ground.
     pub aerosol_scattering: DVec3,
-    /// Scattering and absorption by aerosol at the ground.
+    /// Scattering plus absorption by aerosol at the ground.
     pub aerosol_extinction: DVec3,
 }
 
-/// The air at one place, per equatorial radius.
+/// Coefficients of the air at one position, per equatorial radius.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Medium {
     /// Scattering by molecules.
     pub molecules: Spectrum,
     /// Scattering by aerosol.
     pub aerosol: Spectrum,
-    /// All that light loses.
+    /// Total extinction.
     pub extinction: Spectrum,
 }
 
 impl Medium {
-    /// Scattering by both.
+    /// Scattering by molecules and aerosol.
     pub fn scattering(&self) -> Spectrum {
         (self.molecules + self.aerosol).max(1e-12)
     }
 }
 
 impl AirModel {
-    /// The Earth's air with these options.
+    /// The Earth's atmosphere with these options.
     pub fn new(options: &AirOptions) -> Self {
         Self::above(options, 0.0)
     }
 
-    /// Its part above a height, metres, as if the ground were there.
+    /// The part of the atmosphere above a height in metres, as if the ground were at that height.
     pub(super) fn above(options: &AirOptions, base_m: f64) -> Self {
         let molecules_m = profile::column_m(profile::molecules);
         let ozone_m = profile::column_m(profile::ozone);
@@ -147,13 +148,13 @@ impl AirModel {
         }
     }
 
-    /// What shaders march with.
+    /// Coefficients for ray marching in shaders.
     pub fn rgb(&self) -> &RgbCoefficients {
         &self.rgb
     }
 
-    /// The part of a vertical optical depth that is before a layer, heights in metres: between an eye above it and the ground, and between
-    /// an eye below it and space.
+    /// Fraction of a vertical optical depth in front of a layer; heights are in metres. For an eye above the layer the column runs from
+    /// the eye to the ground. For an eye below it, the column runs from the eye to space.
     pub fn part_before(&self, layer_m: f64, eye_m: f64) -> DVec3 {
         let between = |low_m: f64, high_m: f64| {
             let column_m =
@@ -172,7 +173,8 @@ impl AirModel {
         before / (before + beyond)
     }
 
-    /// Scattering by molecules and aerosol at radius `r` as shaders have it, per equatorial radius, RGB.
+    /// Scattering by molecules and aerosol at radius `r`, per equatorial radius, RGB, with the shaders'
+    /// coefficients.
     pub(super) fn scattering_rgb(&self, r: f64) -> Vec3 {
         let h = self.height_m(r);
         let molecules = self.rgb.molecules * profile::molecules(h);
@@ -180,7 +182,7 @@ impl AirModel {
         ((molecules + aerosol) * RADIUS_M).as_vec3()
     }
 
-    /// The air at radius `r` of scaled space.
+    /// The medium at radius `r` of scaled space.
     pub(super) fn medium(&self, r: f64) -> Medium {
         let h = self.height_m(r);
         let molecules = self.molecules_per_radius * profile::molecules(h) as f32;

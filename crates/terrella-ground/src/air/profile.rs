@@ -1,4 +1,4 @@
-//! How dense the air is against height: what of it there is of each kind, relative to the ground or to its peak.
+//! Density of the atmosphere's constituents by height, relative to the ground or to the peak.
 
 /// Upper boundary of the air, metres above the surface.
 pub const THICKNESS_M: f64 = 100_000.0;
@@ -19,13 +19,15 @@ const LAYERS: [(f64, f64); 7] = [
 const GROUND_TEMPERATURE_K: f64 = 288.15;
 /// g₀M₀/R*, kelvins a metre.
 const HYDROSTATIC_K_PER_M: f64 = 0.034_163_195;
-/// The standard's radius of the Earth, metres: between geometric and geopotential heights.
+/// Radius of the Earth in the standard, metres, for conversion between geometric and geopotential
+/// heights.
 const STANDARD_RADIUS_M: f64 = 6_356_766.0;
-/// Geometric height above which the air is taken as isothermal, metres.
+/// Geometric height above which the air counts as isothermal, metres.
 const ISOTHERMAL_FROM_M: f64 = 86_000.0;
 
-/// Number density of ozone, 10¹⁸ m⁻³, every 2 km from the ground: the mid-latitude model of Krueger and Minzner 1976
-/// (J. Geophys. Res. 81, 4477), which the US Standard Atmosphere 1976 adopts. Below 2 km as at 2 km.
+/// Number density of ozone, 10¹⁸ m⁻³, every 2 km from the ground. Source: the mid-latitude model of Krueger and
+/// Minzner 1976 (J. Geophys. Res. 81, 4477), which the US Standard Atmosphere 1976 adopts. Below 2 km the value of 2
+/// km is repeated.
 const OZONE: [f64; 38] = [
     0.68, 0.68, 0.58, 0.57, 0.65, 1.13, 2.02, 2.35, 2.95, 4.04, 4.77, 4.86, 4.54, 4.03, 3.24, 2.52,
     2.03, 1.58, 1.22, 0.873, 0.607, 0.398, 0.274, 0.169, 0.103, 6.64e-2, 3.84e-2, 2.55e-2, 1.61e-2,
@@ -33,7 +35,7 @@ const OZONE: [f64; 38] = [
 ];
 /// Step of [`OZONE`], metres.
 const OZONE_STEP_M: f64 = 2_000.0;
-/// The largest of [`OZONE`].
+/// Maximum of [`OZONE`].
 const OZONE_PEAK: f64 = 4.86;
 
 /// Number density of all molecules at a height, relative to the ground: US Standard Atmosphere 1976.
@@ -68,18 +70,19 @@ pub fn ozone(height_m: f64) -> f64 {
     (of(low) + (of(low + 1) - of(low)) * (at - low as f64)) / OZONE_PEAK
 }
 
-/// Aerosol at a height, relative to the ground.
+/// Aerosol density at a height, relative to the ground.
 pub fn aerosol(height_m: f64) -> f64 {
     (-height_m.max(0.0) / AEROSOL_SCALE_HEIGHT_M).exp()
 }
 
-/// The column above the ground of a density, metres at the density's unit.
+/// Column of a density above the ground, metres at unit density.
 pub(super) fn column_m(density: impl Fn(f64) -> f64) -> f64 {
     const STEPS: u32 = 4_000;
     column_in_steps_m(density, (0.0, THICKNESS_M), STEPS)
 }
 
-/// The same between two heights, metres, good to some thousandths: for each frame.
+/// Column of a density between two heights, metres, accurate to a few thousandths. Fast enough for
+/// every frame.
 pub(super) fn column_between_m(density: impl Fn(f64) -> f64, low_m: f64, high_m: f64) -> f64 {
     const STEPS: u32 = 16;
     column_in_steps_m(density, (low_m, high_m.min(THICKNESS_M)), STEPS)

@@ -1,4 +1,4 @@
-//! Light, or a coefficient, at the eight wavelengths that the air is computed at.
+//! Light, or a coefficient, at the eight wavelengths of the atmosphere model.
 
 use glam::{Vec3, Vec4};
 use std::iter::Sum;
@@ -8,11 +8,11 @@ use std::ops::{Add, AddAssign, Div, Mul, Sub};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Spectrum([Vec4; 2]);
 
-/// Linear sRGB of light at these wavelengths, each relative to the Sun's. Rows sum to 1, so that white stays white.
+/// Linear sRGB of light at these wavelengths, each relative to the Sun's. Rows sum to 1, so white stays white.
 ///
-/// Wavelengths and matrix were fitted to spectra of light that had gone through up to 40 air masses and 50 columns of ozone,
-/// scattered not at all, once or twice: sums over 380–780 nm, every 5 nm, of the CIE 1931 2° observer under the Sun of ASTM
-/// E490. Root mean square of what is left 0.02 %, worst 0.1 %.
+/// Wavelengths and matrix were fitted to spectra of light after up to 40 air masses and 50 columns of ozone. That light was scattered zero, one or
+/// two times. The spectra are sums over 380–780 nm, every 5 nm, of the CIE 1931 2° observer under the Sun of ASTM E490. The root mean square error is
+/// 0.02 %, the largest 0.1 %.
 const RGB: [Spectrum; 3] = [
     Spectrum::new([
         0.076_89, 0.401_95, 0.757_21, 0.011_40, 0.071_78, -0.356_31, -0.003_96, 0.041_04,

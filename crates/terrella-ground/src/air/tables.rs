@@ -1,4 +1,4 @@
-//! The tables that the air's shaders read, computed on the CPU.
+//! Atmosphere tables that shaders sample, computed on the CPU.
 //!
 //! | table | coordinates | texel |
 //! |---|---|---|
@@ -10,14 +10,14 @@
 //! | sources | Sun cosine, 7 × height | source function of light scattered more than once, per scattering coefficient, RGB |
 //! | profile | height | molecules relative to the ground over e^(−h/8 km), R; ozone relative to its peak, G |
 //!
-//! A ray is described by its reference point, where it meets the ground or passes nearest to it: `Sun cosine` and `azimuth` are
-//! those of the Sun there, azimuth from the ray's horizontal direction. All light is relative to the Sun's irradiance at the
-//! top, times π: a white sheet that faces the Sun in space is 1. For ground of albedo A the sums are
-//! `scattering + A/(1 − A·s)·bounce` and, on the ground, `(direct·cos + sky)/(1 − A·s)`, with s = [`AirTables::sky_albedo`].
+//! A ray is described by its reference point: where it meets the ground or passes nearest to it. `Sun cosine` and `azimuth` are those of the Sun
+//! there; azimuth is measured from the ray's horizontal direction. All light is relative to the Sun's irradiance at the top, times π: a white sheet
+//! that faces the Sun in space is 1. For ground of albedo A and s = [`AirTables::sky_albedo`], the sum along a ray is
+//! `scattering + A/(1 − A·s)·bounce`. On the ground it is `(direct·cos + sky)/(1 − A·s)`.
 //!
-//! [`AirAboveClouds`] has those of rays from outside and of sunlight again, as if a layer of clouds were the ground.
+//! [`AirAboveClouds`] repeats the tables of outside rays and of sunlight with a cloud layer in place of the ground.
 //!
-//! Single scattering is integrated along each ray; higher orders by successive orders on the sphere, see `sources`.
+//! Single scattering is integrated along each ray. Higher orders use successive orders of scattering on the sphere; see `sources`.
 
 mod above_clouds;
 mod interpolation;
@@ -66,61 +66,64 @@ impl TableSize {
 }
 
 pub const TRANSMITTANCE: TableSize = TableSize::new(128, 64, 1);
-/// Rays that meet the ground, rays that pass it and rays that meet clouds, in the tables of rays from outside.
+/// Columns per kind of ray in the outside tables: rays that meet the ground, rays that pass it, and rays that
+/// meet clouds.
 pub const RAYS: u32 = 48;
-/// Size of the scattering table: along x rays that meet the ground, then rays that pass it.
+/// Size of the scattering table. Along x: rays that meet the ground, then rays that pass it.
 pub const SCATTERING: TableSize = TableSize::new(2 * RAYS, 64, 24);
-/// Size of the table of light that the ground sends up.
+/// Size of the table of light reflected by the ground.
 pub const BOUNCE: TableSize = TableSize::new(SCATTERING.x, SCATTERING.y, 1);
-/// Size of the table of rays' transmittance.
+/// Size of the table of ray transmittance.
 pub const THROUGH: TableSize = TableSize::new(SCATTERING.x, 1, 1);
-/// Size of the sunlight table: a row of transmittance and one of skylight.
+/// Size of the sunlight table: a row of transmittance and a row of skylight.
 pub const SUNLIGHT: TableSize = TableSize::new(256, 2, 1);
-/// The same with rows of transmittance to the clouds, which stand where a scene has them, and of skylight on them.
+/// Size of the sunlight table with two more rows for a scene's clouds: transmittance to them and skylight on them.
 pub const SUNLIGHT_AND_CLOUDS: TableSize = TableSize::new(SUNLIGHT.x, SUNLIGHT.y + 2, 1);
-/// [`SCATTERING`] with rays that meet clouds beside the others. The last quarter is empty: coordinates are halved without rounding.
+/// [`SCATTERING`] with extra columns for rays that meet clouds. The last quarter is empty, so that coordinates can be
+/// halved exactly.
 pub const SCATTERING_AND_CLOUDS: TableSize = TableSize::new(4 * RAYS, SCATTERING.y, SCATTERING.z);
-/// [`BOUNCE`] with those.
+/// [`BOUNCE`] with the cloud columns.
 pub const BOUNCE_AND_CLOUDS: TableSize = TableSize::new(4 * RAYS, BOUNCE.y, 1);
-/// [`THROUGH`] with those.
+/// [`THROUGH`] with the cloud columns.
 pub const THROUGH_AND_CLOUDS: TableSize = TableSize::new(4 * RAYS, 1, 1);
-/// Size of the source table: six coefficients and the isotropic source of the ground's light, a band of heights each.
+/// Size of the source table: one band of heights for each of six coefficients and for the isotropic source of ground
+/// light.
 pub const SOURCES: TableSize = TableSize::new(SUNS as u32, (SOURCE_BANDS * HEIGHTS) as u32, 1);
 pub const PROFILE: TableSize = TableSize::new(128, 1, 1);
 /// Bands of the source table.
 pub const SOURCE_BANDS: usize = COEFFICIENTS + 1;
 
-/// Lowest Sun cosine that tables hold, 27° below the horizon: there the light is below 1e-10 of a white sheet in sunlight, and farther
-/// down it stays as it is there.
+/// Lowest Sun cosine of the tables, 27° below the horizon. There the light is below 1e-10 of a white sheet in sunlight. Lower Suns use
+/// the same value.
 pub const LOWEST_SUN: f64 = -0.45;
-/// Sine of the Sun's elevation within which Sun cosines are spaced evenly; beyond they are spaced in proportion to it.
+/// Sine of the Sun's elevation within which Sun cosines are evenly spaced. Beyond it the spacing grows in proportion.
 pub const SUN_SPACING: f64 = 0.05;
-/// Scale height of the profile of molecules, metres.
+/// Scale height of the molecule profile, metres.
 pub const MOLECULE_SCALE_HEIGHT_M: f64 = 8_000.0;
 
 /// All tables, texels in x, y, z order.
 pub struct AirTables {
-    /// Light that the air scatters into a ray, over black ground.
+    /// Light that the atmosphere scatters into a ray, over black ground.
     pub scattering: Vec<Vec4>,
-    /// Light that the ground sends up and the air scatters into a ray.
+    /// Light from the ground that the atmosphere scatters into a ray.
     pub bounce: Vec<Vec4>,
     /// Transmittance of a ray.
     pub through: Vec<Vec4>,
-    /// Sunlight and the sky's irradiance on the ground.
+    /// Sunlight on the ground and irradiance of the sky.
     pub sunlight: Vec<Vec4>,
-    /// Transmittance from places in the air to the Sun.
+    /// Transmittance from points in the atmosphere to the Sun.
     pub transmittance: Vec<Vec4>,
     /// Source functions.
     pub sources: Vec<Vec4>,
-    /// Densities.
+    /// Density profiles.
     pub profile: Vec<Vec4>,
-    /// What the air sends back of light that the ground sends up, RGB.
+    /// Fraction of the ground's light that the atmosphere returns to the ground, RGB.
     pub sky_albedo: Vec3,
     interpolation: OnceLock<InterpolationBound>,
 }
 
 impl AirTables {
-    /// The tables for these options. Those of the default air come with the crate; others are computed where the process has not them yet,
+    /// The tables for these options. The default tables ship with the crate. Others are computed on first use in the process, which takes
     /// half a second on two cores.
     pub fn shared(options: &AirOptions) -> Arc<Self> {
         static MADE: Kept<AirOptions, AirTables> = Kept::none();
@@ -161,7 +164,7 @@ impl AirTables {
         }
     }
 
-    /// Transmittance of the Sun's light to clouds at this height, which it leaves later than the ground, as a row of [`Self::sunlight`].
+    /// Transmittance of sunlight to clouds at this height, as a row of [`Self::sunlight`]. Sunlight leaves clouds later than the ground.
     pub fn sunlight_on_clouds(&self, height_m: f64) -> Vec<Vec4> {
         let r = (1.0 + height_m / RADIUS_M).min(TOP);
         let horizon = horizon_cosine(r);
@@ -174,7 +177,7 @@ impl AirTables {
         clouds.collect()
     }
 
-    /// Where their light may be interpolated; found when it is first asked for.
+    /// Where the light may be interpolated; computed on first use.
     pub fn interpolation(&self) -> &InterpolationBound {
         self.interpolation
             .get_or_init(|| InterpolationBound::new(&self.lit_from_outside()))
@@ -191,8 +194,8 @@ impl AirTables {
         }
     }
 
-    /// Transmittance of the Sun's light to the ground and the sky's irradiance on black ground, RGB, relative to the Sun's
-    /// irradiance, for the cosine of its zenith angle.
+    /// Transmittance of sunlight to the ground, and irradiance of the sky on black ground. RGB, relative to the Sun's
+    /// irradiance, by the cosine of the Sun's zenith angle.
     pub fn sunlight_at(&self, mu_s: f64) -> [Vec3; 2] {
         let width = SUNLIGHT.x as usize;
         let at = sun_coordinate(mu_s as f32) * (width - 1) as f32;
@@ -205,8 +208,8 @@ impl AirTables {
 }
 
 impl AirAboveClouds {
-    /// The tables for these options and clouds at a height, metres. Those of the default air and height come with the crate; others are
-    /// computed where the process has not them yet, a third of a second on two cores.
+    /// The tables for these options and a cloud height in metres. The tables of the default atmosphere and height ship with the crate.
+    /// Others are computed on first use in the process, which takes a third of a second on two cores.
     pub fn shared(options: &AirOptions, height_m: f64) -> Arc<Self> {
         static MADE: Kept<(AirOptions, f64), AirAboveClouds> = Kept::none();
         let shipped = (AirOptions::default(), above_clouds::SHIPPED_M);
@@ -219,18 +222,18 @@ impl AirAboveClouds {
     }
 }
 
-/// Tables that the process has made, by what they are for.
+/// Tables that the process has computed, by key.
 struct Kept<K, T>(Mutex<Vec<(K, Arc<T>)>>);
 
 impl<K: Copy + PartialEq, T> Kept<K, T> {
-    /// How many are kept: a host with more makes some of them again.
+    /// Number of tables kept. A host that needs more computes some of them again.
     const COUNT: usize = 4;
 
     const fn none() -> Self {
         Self(Mutex::new(Vec::new()))
     }
 
-    /// Those for a key, made where they are not there.
+    /// The tables of a key; computes them if they are not cached.
     fn get(&self, key: &K, make: impl FnOnce() -> T) -> Arc<T> {
         let mut made = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, tables)) = made.iter().find(|(of, _)| of == key) {
@@ -243,14 +246,14 @@ impl<K: Copy + PartialEq, T> Kept<K, T> {
     }
 }
 
-/// An air whose light is known everywhere.
+/// Builds tables from an atmosphere whose sources are known everywhere.
 struct Builder {
     air: AirModel,
     transmittance: TransmittanceTable,
     sources: Sources,
 }
 
-/// Tables of rays from outside.
+/// Tables of rays that come from outside.
 struct Outside {
     scattering: Vec<Vec4>,
     bounce: Vec<Vec4>,
@@ -268,7 +271,7 @@ impl Builder {
         }
     }
 
-    /// The tables of so many rays from outside, those that meet the ground first.
+    /// The tables of this many rays from outside, rays that meet the ground first.
     fn outside(&self, rays: u32) -> Outside {
         const STEPS: u32 = 32;
         let (suns, azimuths) = (SCATTERING.y, SCATTERING.z);
@@ -298,7 +301,7 @@ impl Builder {
                     let light = path.radiance(mu_s as f32, nu(PI * root * root) as f32);
                     scattering.push(fourth_root(radiance(light)).extend(alpha));
                 }
-                // Ground lit from anywhere lights the air alike but for the Sun's height along the ray: the Sun abeam stands for all.
+                // Light from the ground depends on the Sun only by its height along the ray, so one azimuth (Sun abeam) is enough.
                 let light = of_ground.radiance(mu_s as f32, nu(0.5 * PI) as f32);
                 bounce.push(fourth_root(radiance(light)).extend(1.0));
             }
@@ -335,13 +338,13 @@ impl Builder {
         })
     }
 
-    /// Transmittance of the Sun's light to the ground.
+    /// Transmittance of sunlight to the ground.
     fn direct(&self, mu_s: f64) -> Spectrum {
         let row = self.transmittance.row(1.0, true);
         of_disc(mu_s, |mu| row.at(mu))
     }
 
-    /// The sky's irradiance on black ground for the Suns of the sunlight table.
+    /// Irradiance of the sky on black ground for the Suns of the sunlight table.
     fn sky_on_ground(&self) -> Vec<Spectrum> {
         const AZIMUTHS: u32 = 8;
         let light = Light {
@@ -377,7 +380,8 @@ impl Builder {
         (0..SUNLIGHT.x as usize).map(sum).collect()
     }
 
-    /// The source table in RGB: shaders multiply it by RGB coefficients, so it is divided by those of its height.
+    /// The source table in RGB. Shaders multiply it by RGB coefficients, so it is divided by the coefficients of
+    /// its height.
     fn sources(&self) -> Vec<Vec4> {
         let mut out = vec![Vec4::ZERO; SOURCES.texels()];
         for height in 0..HEIGHTS {
@@ -389,7 +393,7 @@ impl Builder {
                 let colors =
                     |source: &SourceFunction| source.0.map(|c| radiance(c * scattering) / per);
                 let black = colors(&self.sources.black.texels[at]);
-                // Of the ground's light the mean over all directions: that of a square of a component is a third.
+                // Mean of the ground's light over all directions: the mean of a squared component is a third.
                 let bounce = colors(&self.sources.bounce.texels[at]);
                 let mean = bounce[0] + (bounce[3] + bounce[4]) / 3.0;
                 for (band, color) in black.into_iter().chain([mean]).enumerate() {
@@ -401,8 +405,8 @@ impl Builder {
     }
 }
 
-/// What arrives of the Sun's light, by what arrives of a ray at a cosine; the Earth may be in between. The Sun is a disc of 0.27°
-/// radius: the mean over it, so that it sets gradually.
+/// Mean over the solar disc of a function of the ray's cosine; `None` where the Earth blocks the ray. The disc has a radius of
+/// 0.27°, so the Sun sets gradually.
 fn of_disc<T>(mu_s: f64, ray: impl Fn(f32) -> Option<T>) -> T
 where
     T: Default
@@ -422,19 +426,20 @@ where
     light / area
 }
 
-/// What the tables from outside hold of one ray, Suns and azimuths one after another.
+/// Table column of one ray from outside: Suns and azimuths in sequence.
 struct Column {
     scattering: Vec<Vec4>,
     bounce: Vec<Vec4>,
     through: Vec4,
 }
 
-/// The ray of a column of the tables from outside, by its reference point.
+/// The ray of a column of the outside tables, by its reference point.
 fn outside_ray(x: u32) -> Ray {
     let along = f64::from(x % RAYS) / f64::from(RAYS - 1);
     let squared = along * along;
     match x < RAYS {
-        // Meets the ground at zenith cosine `squared`; it is followed from its entry, and the ground is its lowest point.
+        // Meets the ground at zenith cosine `squared`. The ray is followed from its entry, and the ground is its lowest
+        // point.
         true => Ray {
             r: 1.0,
             mu: -squared,
@@ -456,23 +461,24 @@ fn outside_ray(x: u32) -> Ray {
     }
 }
 
-/// Radiance per unit irradiance as a part of a white sheet's, RGB.
+/// Radiance per unit irradiance as a fraction of a white sheet's, RGB.
 fn radiance(light: Spectrum) -> Vec3 {
     light.rgb() * std::f32::consts::PI
 }
 
-/// How light is stored that falls exponentially with height and with twilight: linear interpolation is good to 3 % over a
-/// factor of e, where it would be to 13 % for the light itself, and half floats hold it to the last.
+/// Encodes light that falls exponentially with height and with twilight. Over a factor of e, linear interpolation is then
+/// accurate to 3 %, against 13 % for the light itself. Half floats keep the whole range.
 fn fourth_root(light: Vec3) -> Vec3 {
     light.max(Vec3::ZERO).powf(0.25)
 }
 
-/// A colour that sRGB does not hold, as of the last red of a sunset, is cut off at what it holds.
+/// Clips a colour outside the sRGB gamut, as the last red of a sunset.
 fn texel(spectrum: Spectrum) -> Vec4 {
     spectrum.rgb().max(Vec3::ZERO).extend(1.0)
 }
 
-/// Sun cosine of a table coordinate 0…1: fine about the terminator, where light falls by powers of ten.
+/// Sun cosine of a table coordinate 0…1: dense around the terminator, where light falls by powers of
+/// ten.
 pub(super) fn sun_cosine(coordinate: f64) -> f64 {
     let [low, high] = [LOWEST_SUN, 1.0].map(|mu: f64| (mu / SUN_SPACING).asinh());
     SUN_SPACING * (low + coordinate * (high - low)).sinh()
@@ -480,7 +486,7 @@ pub(super) fn sun_cosine(coordinate: f64) -> f64 {
 
 /// The inverse of [`sun_cosine`], 0…1.
 pub(super) fn sun_coordinate(mu_s: f32) -> f32 {
-    // Looked up, since it is asked for at every step of every ray: good to 1e-5.
+    // A lookup table, because every step of every ray needs this. Accurate to 1e-5.
     const CELLS: usize = 2048;
     static COORDINATES: LazyLock<Vec<f32>> = LazyLock::new(|| {
         let coordinate = |n: usize| {
@@ -497,7 +503,7 @@ pub(super) fn sun_coordinate(mu_s: f32) -> f32 {
     a + (b - a) * (at - cell as f32)
 }
 
-/// Radius of a height coordinate 0…1, finely divided near the ground.
+/// Radius of a height coordinate 0…1, with fine steps near the ground.
 fn height_radius(y: f64) -> f64 {
     1.0 + (TOP - 1.0) * y * y
 }
@@ -524,9 +530,9 @@ fn row_at<T: Lerp>(table: &[T], size: TableSize, r: f64) -> Vec<T> {
     pairs.map(|(a, b)| a.between(*b, part)).collect()
 }
 
-/// What tables are read of: a spectrum, or its colour.
+/// Types stored in tables: a spectrum or its colour.
 trait Lerp: Copy {
-    /// From this to another, `part` of the way.
+    /// Interpolates to another value, by fraction `part`.
     fn between(self, other: Self, part: f32) -> Self;
 }
 
@@ -542,7 +548,8 @@ impl Lerp for Vec4 {
     }
 }
 
-/// Fills a table by coordinates 0…1, texel centres on both ends; rows are shared out over the cores.
+/// Fills a table from coordinates 0…1, with the end texels at 0 and 1. Rows are shared among the
+/// cores.
 fn fill<T: Send>(size: TableSize, f: impl Fn(f64, f64, f64) -> T + Sync) -> Vec<T> {
     let coordinate = |i: u32, n: u32| f64::from(i) / f64::from(n.max(2) - 1);
     let rows = parallel::map((size.y * size.z) as usize, |row| {

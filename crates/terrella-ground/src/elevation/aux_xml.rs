@@ -1,9 +1,9 @@
-//! What GDAL's text beside a file, `NAME.aux.xml`, says of a band (GDAL's Persistent Auxiliary Metadata).
+//! Band metadata in GDAL's text beside a file, `NAME.aux.xml` (GDAL's Persistent Auxiliary Metadata).
 
-/// Largest text that is read, bytes: histograms and tables of attributes make some long.
+/// Largest text that is read, bytes: histograms and attribute tables can be long.
 pub const AUX_BYTES: u64 = 4 << 20;
 
-/// The text of the first element of this name.
+/// The content of the first element with this name.
 pub fn element<'a>(text: &'a str, name: &str) -> Option<&'a str> {
     let mut rest = text;
     loop {
@@ -12,7 +12,7 @@ pub fn element<'a>(text: &'a str, name: &str) -> Option<&'a str> {
         let Some(tail) = after.strip_prefix(name) else {
             continue;
         };
-        // Not a longer name.
+        // Skip longer names.
         if !tail.starts_with([' ', '>', '\t', '\n', '\r']) {
             continue;
         }
@@ -25,14 +25,14 @@ pub fn element<'a>(text: &'a str, name: &str) -> Option<&'a str> {
     }
 }
 
-/// Bands of the text, each as far as its element goes.
+/// The bands of the text, each up to the end of its element.
 fn bands(text: &str) -> impl Iterator<Item = &str> {
     text.split("<PAMRasterBand")
         .skip(1)
         .map(|band| band.split("</PAMRasterBand>").next().unwrap_or_default())
 }
 
-/// The band of a number, from 1: the one that is called so, or of bands without numbers the one in that place.
+/// The band with this number, from 1. Among bands without numbers, the one at that position.
 fn band(text: &str, number: u16) -> &str {
     let called = format!("band=\"{number}\"");
     let head = |band: &str| band.split('>').next().unwrap_or_default().to_owned();
@@ -45,20 +45,20 @@ fn band(text: &str, number: u16) -> &str {
         .map_or("", |(_, band)| band)
 }
 
-/// The text of a band's element of this name, without marks of XML. Bands count from 1.
+/// The content of a band's element with this name, with XML entities decoded. Bands count from 1.
 pub fn band_text(text: &str, of_band: u16, name: &str) -> Option<String> {
     element(band(text, of_band), name).map(plain)
 }
 
-/// The number of a band's element of this name. Bands count from 1.
+/// The value of a band's numeric element with this name. Bands count from 1.
 ///
 /// # Errors
-/// What stands there, if it is no number.
+/// The element's content, if it is not a number.
 pub fn band_number(text: &str, of_band: u16, name: &str) -> Result<Option<f64>, String> {
     number(band(text, of_band), name)
 }
 
-/// The numbers of no data of all bands, where each has one.
+/// The no-data values of all bands, if every band has one.
 ///
 /// # Errors
 /// As [`band_number`].
@@ -82,7 +82,7 @@ fn number(band: &str, name: &str) -> Result<Option<f64>, String> {
     }
 }
 
-/// Without marks of XML.
+/// Decodes XML entities.
 pub fn plain(text: &str) -> String {
     let marks = [
         ("&quot;", "\""),
@@ -120,13 +120,13 @@ mod tests {
         let second = band_number(TEXT, 2, "NoDataValue");
         assert!(second.is_ok_and(|number| number.is_some_and(f64::is_nan)));
         assert!(band_number(&TEXT.replace("<Scale/>", "<Scale>x</Scale>"), 1, "Scale").is_err());
-        // Only bands of which there is something to say are listed.
+        // Only bands with metadata are listed.
         let second = "<PAMRasterBand band=\"2\"><UnitType>m</UnitType></PAMRasterBand>";
         assert_eq!(band_text(second, 1, "UnitType"), None);
         assert_eq!(band_text(second, 2, "UnitType").as_deref(), Some("m"));
         let all = no_data(TEXT).expect("numbers").expect("two");
         assert!(all[0] == -5000.0 && all[1].is_nan() && all.len() == 2);
-        // Of one band alone it is none of a colour.
+        // A value of only one band is no no-data value of a colour.
         let one = TEXT.replace("<NoDataValue>nan</NoDataValue>", "");
         assert_eq!(no_data(&one), Ok(None));
         for broken in [

@@ -1,8 +1,9 @@
 //! Dry land below the level of the sea.
 //!
-//! What grids of the whole Earth have below 0 m is the floor of the sea, of lakes, rock below ice, and, in a few basins, dry land. These basins
-//! are known. Elsewhere land is drawn at the sea's level, or where a map says that it is land a little below ([`LandShares`](super::LandShares)). A basin's box holds no coast of the sea. Its depth is that of its dry
-//! land or of the surface of its lake, so that beds of lakes are not drawn, that of the Caspian Sea among them.
+//! Below 0 m, grids of the whole Earth hold the floor of the sea and of lakes, and rock below ice. In a few basins they hold dry land. This module
+//! lists these basins. Elsewhere land is drawn at sea level, or slightly below where a map marks it as land ([`LandShares`](super::LandShares)). The
+//! box of a basin contains no sea coast. Its depth is that of its dry land or of its lake's surface. Beds of lakes, such as that of the Caspian Sea,
+//! are therefore not drawn.
 
 use super::Bounds;
 use std::sync::LazyLock;
@@ -10,8 +11,8 @@ use std::sync::LazyLock;
 /// Width of the edge within which a basin begins, degrees.
 const EDGE_DEG: f64 = 0.05;
 
-/// South, north, west and east in degrees, and the lowest land in metres. Levels: CIA, The World Factbook (2024), "Elevation extremes"; of the
-/// others the encyclopaedic entries of the places.
+/// South, north, west and east in degrees, and the lowest land in metres. Sources of the levels: CIA, The World Factbook (2024), "Elevation
+/// extremes"; for the others, encyclopaedia entries of the places.
 const BASINS: [[f64; 5]; 18] = [
     // The Dead Sea and the valley of the Jordan.
     [30.3, 33.0, 35.1, 35.9, -440.0],
@@ -47,12 +48,12 @@ const BASINS: [[f64; 5]; 18] = [
     [51.85, 52.75, 4.7, 5.9, -8.0],
 ];
 
-/// Parts into which the Earth is divided to find the basins of a place: side in degrees, and how many along a parallel and a meridian.
+/// Cells of the Earth used to find the basins of a place: side in degrees, and their number along a parallel and a meridian.
 const PART_DEG: f64 = 5.0;
 const COLUMNS: usize = 72;
 const ROWS: usize = 36;
 
-/// Whether a basin reaches into each part, from the north-west.
+/// Whether a basin overlaps each cell, from the north-west.
 static HAS_BASIN: LazyLock<Vec<bool>> = LazyLock::new(|| {
     let mut has = vec![false; COLUMNS * ROWS];
     for [south, north, west, east, _] in BASINS {
@@ -74,7 +75,7 @@ fn column_of(lon_deg: f64) -> usize {
     (((lon_deg + 180.0) / PART_DEG) as usize).min(COLUMNS - 1)
 }
 
-/// The lowest that land lies at a place, metres: 0 outside of the basins. It is continuous.
+/// The lowest land at a place, metres: 0 outside the basins. Continuous.
 pub(super) fn lowest_m(lat_rad: f64, lon_rad: f64) -> f64 {
     let lat = lat_rad.to_degrees();
     let lon = (lon_rad.to_degrees() + 180.0).rem_euclid(360.0) - 180.0;
@@ -88,11 +89,11 @@ pub(super) fn lowest_m(lat_rad: f64, lon_rad: f64) -> f64 {
             .min(east - lon);
         depth_m * (inside / EDGE_DEG).clamp(0.0, 1.0)
     };
-    // No height is a negative zero.
+    // Avoids a negative zero.
     0.0 + BASINS.iter().map(of_basin).fold(0.0, f64::min)
 }
 
-/// The lowest that land lies anywhere within bounds, or lower, metres.
+/// A lower bound of the land heights within bounds, metres.
 pub(super) fn lowest_in_m(bounds: &Bounds) -> f64 {
     let overlaps = |[south, north, west, east, _]: &&[f64; 5]| {
         let basin = Bounds {
@@ -141,7 +142,7 @@ mod tests {
         ] {
             assert_eq!(lowest(lat, lon), 0.0, "{name}");
         }
-        // The surface of the Caspian Sea, and not its bed.
+        // The surface of the Caspian Sea, not its bed.
         assert_eq!(lowest(42.0, 50.5), -30.0);
     }
 

@@ -1,42 +1,43 @@
-//! Where heights that were read before are others now.
+//! Where heights changed since they were read.
 
 use super::{Bounds, HeightRange};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_8, PI, TAU};
 
-/// No samples of tiles are farther apart than this, radians: so far from a change slopes may be others too.
+/// Largest spacing of tile samples, radians. Slopes may change up to this distance from a change of
+/// heights.
 pub const COARSEST_STEP_RAD: f64 = FRAC_PI_8 / 16.0;
 
-/// Bounds meet where their angles are so near each other, radians: a micrometre of ground.
+/// Tolerance at which bounds meet, radians: a micrometre of ground.
 const NEAR: f64 = 1e-13;
 
-/// Part of the Earth where a source's heights have become finer, or coarser.
+/// Part of the Earth where a source's heights became finer or coarser.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeightChange {
-    /// Heights outside are as they were; those on the edge too.
+    /// Heights outside and on the edge are unchanged.
     pub bounds: Bounds,
-    /// Heights that are asked for at this spacing and above are as they were, radians.
+    /// Heights at this spacing and above are unchanged, radians.
     pub below_rad: f64,
-    /// No height inside lies lower or higher than this and than [`Elevation::range_up_to_m`](super::Elevation::range_up_to_m) said of it
-    /// before, metres.
+    /// Height limits inside the bounds, metres. No height is outside both this range and the earlier
+    /// [`Elevation::range_up_to_m`](super::Elevation::range_up_to_m).
     pub range: HeightRange,
 }
 
 impl HeightChange {
-    /// Whether heights inside some bounds, or up to an angle beyond them, may be others, asked for at a spacing.
+    /// Whether heights at a spacing may have changed inside some bounds or up to an angle beyond them.
     pub fn touches(&self, bounds: &Bounds, beyond_rad: f64, spacing_rad: f64) -> bool {
         spacing_rad < self.below_rad
             && self.is_near_latitudes(bounds.south_rad, bounds.north_rad, beyond_rad)
             && bounds.grown(beyond_rad).meets(&self.bounds)
     }
 
-    /// Whether latitudes, or some up to an angle beyond them, are those of the change: most of the Earth is told apart by that
-    /// alone, at the price of two comparisons.
+    /// Whether latitudes, or some up to an angle beyond them, overlap the change. This test rejects most of the Earth with two
+    /// comparisons.
     fn is_near_latitudes(&self, south_rad: f64, north_rad: f64, beyond_rad: f64) -> bool {
         south_rad - beyond_rad.max(0.0) <= self.bounds.north_rad + NEAR
             && self.bounds.south_rad <= north_rad + beyond_rad.max(0.0) + NEAR
     }
 
-    /// Whether the height at a place, or at one up to an angle away, may be another.
+    /// Whether the height at a place, or up to an angle away, may have changed.
     pub fn touches_place(&self, lat_rad: f64, lon_rad: f64, beyond_rad: f64) -> bool {
         let place = Bounds {
             south_rad: lat_rad,
@@ -49,7 +50,7 @@ impl HeightChange {
 }
 
 impl Bounds {
-    /// The least that hold all places up to an angle at the Earth's centre from these.
+    /// The smallest bounds of all places within an angle at the Earth's centre of these bounds.
     pub fn grown(&self, angle_rad: f64) -> Self {
         let angle_rad = angle_rad.max(0.0);
         let is_short_of_poles = self.south_rad > -FRAC_PI_2 && self.north_rad < FRAC_PI_2;
@@ -59,7 +60,7 @@ impl Bounds {
         let (south_rad, north_rad) = (self.south_rad - angle_rad, self.north_rad + angle_rad);
         let has_pole = north_rad >= FRAC_PI_2 || south_rad <= -FRAC_PI_2;
         let poleward_rad = self.south_rad.abs().max(self.north_rad.abs());
-        // A circle about a place touches meridians at sin Δλ = sin r / cos φ.
+        // A circle around a place touches meridians at sin Δλ = sin r / cos φ.
         let aside_rad = match has_pole || angle_rad >= FRAC_PI_2 {
             true => PI,
             false => (angle_rad.sin() / poleward_rad.cos()).min(1.0).asin(),
@@ -77,13 +78,13 @@ impl Bounds {
         }
     }
 
-    /// Whether two bounds have a place in common, or all but: to the last digits of their angles.
+    /// Whether two bounds share a place, within the rounding of their angles.
     pub fn meets(&self, other: &Self) -> bool {
         let from = (other.west_rad - self.west_rad).rem_euclid(TAU);
         let back = (self.west_rad - other.west_rad).rem_euclid(TAU);
         let along = |from: f64, width: f64| from <= width + NEAR || from >= TAU - NEAR;
         let is_beside = along(from, self.width_rad) || along(back, other.width_rad);
-        // On a pole all meridians meet.
+        // All meridians meet at a pole.
         let pole = |bounds: &Self| {
             let near = FRAC_PI_2 - 1e-9;
             (bounds.north_rad >= near, bounds.south_rad <= -near)
@@ -144,7 +145,7 @@ mod tests {
             );
             let angle = 1e-6 + (t * 0.113) % 0.6;
             let grown = b.grown(angle);
-            // From a corner, into any direction, by the angle.
+            // From a corner by the angle, in any direction.
             let (lat, lon) = (b.north_rad, b.west_rad + b.width_rad);
             let way = t * 2.399;
             let (sin, cos) = (angle * 0.9999).sin_cos();

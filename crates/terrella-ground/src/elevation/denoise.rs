@@ -1,11 +1,11 @@
-//! Taking single wrong heights out of a grid before anything is made of it: one of them is a needle in what is drawn, and
-//! bends every plane that is fitted to the ground around.
+//! Removes single wrong heights from a grid before any use. Such a height is drawn as a needle, and it tilts every plane
+//! fitted to the ground around it.
 
-/// What counts as wrong.
+/// Criteria for a wrong height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Denoise {
-    /// Residuals this many robust standard deviations out are suspect: 1.4826 times the median absolute deviation of the
-    /// residuals of the 7 × 7 samples around.
+    /// Residuals beyond this many robust standard deviations are suspect. The deviation is 1.4826 times the median
+    /// absolute deviation of the residuals of the surrounding 7 × 7 samples.
     pub deviations: f64,
     /// Residuals below this are never suspect, metres.
     pub least_m: f64,
@@ -20,24 +20,24 @@ impl Default for Denoise {
     }
 }
 
-/// What was replaced and what was left.
+/// Counts of replaced and kept samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Denoised {
     /// Samples replaced.
     pub replaced: u64,
-    /// Suspect samples left as they were, because two or more neighbours stand with them: cliffs, ridges, walls.
+    /// Suspect samples kept because two or more neighbours agree with them: cliffs, ridges, walls.
     pub kept: u64,
-    /// Farthest that a replaced one was moved, metres.
+    /// Largest change of a replaced sample, metres.
     pub moved_m: f64,
 }
 
-/// Heights row by row; what is no number is not there.
+/// Heights row by row; NaN marks a missing sample.
 struct HeightRows<'a> {
     columns: usize,
     heights_m: &'a [f32],
 }
 
-/// The upper of the two in the middle where their number is even.
+/// Median; the upper of the two middle values if their number is even.
 fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return 0.0;
@@ -47,7 +47,7 @@ fn median(values: &mut [f64]) -> f64 {
 }
 
 impl HeightRows<'_> {
-    /// Rows and columns up to `reach` away, the grid's own.
+    /// Rows and columns up to `reach` away, within the grid.
     fn near(
         &self,
         row: usize,
@@ -65,7 +65,7 @@ impl HeightRows<'_> {
         f64::from(self.heights_m[row * self.columns + column])
     }
 
-    /// The samples around one, up to eight.
+    /// The up to eight samples around a sample.
     fn around(&self, row: usize, column: usize) -> ([f64; 8], usize) {
         let (mut out, mut count) = ([0.0; 8], 0);
         for place in self.near(row, column, 1) {
@@ -78,7 +78,7 @@ impl HeightRows<'_> {
         (out, count)
     }
 
-    /// How far a sample lies above the median of those around.
+    /// Height of a sample above the median of its neighbours.
     fn residual_m(&self, row: usize, column: usize) -> f64 {
         let (mut near, count) = self.around(row, column);
         if count == 0 {
@@ -87,7 +87,7 @@ impl HeightRows<'_> {
         self.at((row, column)) - median(&mut near[..count])
     }
 
-    /// No neighbour is so far off that the median could be.
+    /// Whether no neighbour differs enough for the median to differ.
     fn is_plain(&self, row: usize, column: usize, least_m: f64) -> bool {
         let height_m = self.at((row, column));
         let (near, count) = self.around(row, column);
@@ -98,10 +98,10 @@ impl HeightRows<'_> {
 }
 
 impl Denoise {
-    /// Takes the outliers out of heights that stand row by row: a sample farther from the median of its eight neighbours
-    /// than both limits, with at most one neighbour on its side, becomes that median. A straight or rounded cliff has at
-    /// least two there and stays, as does a summit in ground that is rough all around. All decisions are made on the grid
-    /// as it was. Samples that are no numbers are left alone, and so are rows that are not whole.
+    /// Replaces outliers in heights stored row by row. An outlier is farther from the median of its eight neighbours than
+    /// both limits, with at most one neighbour on its side. It becomes that median. A straight or rounded cliff has at
+    /// least two such neighbours and stays, as does a summit in ground that is rough all around. All decisions use the
+    /// original grid. NaN samples are left alone, and so is a grid with incomplete rows.
     pub fn clean(&self, columns: usize, heights_m: &mut [f32]) -> Denoised {
         let mut found = Denoised::default();
         if columns == 0 || !heights_m.len().is_multiple_of(columns) {
@@ -131,12 +131,12 @@ impl Denoise {
                 continue;
             }
             let (near, count) = grid.around(row, column);
-            // On its side: nearer to it than to the median.
+            // A neighbour is on its side if it is nearer to it than to the median.
             let with = near[..count]
                 .iter()
                 .filter(|z| (*z - height_m).abs() < 0.5 * off_m.abs())
                 .count();
-            // At the grid's edge half of a wall's neighbours are missing.
+            // At the edge of the grid half of a wall's neighbours are missing.
             if with >= if count < 8 { 1 } else { 2 } || count < 3 {
                 found.kept += 1;
                 continue;
@@ -158,7 +158,7 @@ mod tests {
 
     const SIDE: usize = 40;
 
-    /// A slope with a mountain of 900 m that falls by 60 m from sample to sample, and a little roughness.
+    /// A slope with a mountain of 900 m that falls by 60 m per sample, with a little roughness.
     fn ground() -> Vec<f32> {
         (0..SIDE * SIDE)
             .map(|k| {

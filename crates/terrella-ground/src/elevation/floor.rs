@@ -1,9 +1,9 @@
-//! Rounding down, where a call to a library would take as long as the rest.
+//! A fast floor function, where a library call would take as long as the rest.
 
-/// The largest whole number that is not above a number: `f64::floor` is a call where the processor may lack the instruction.
+/// The largest integer that is not above a number. `f64::floor` is a library call on processors without the instruction.
 #[inline]
 pub(super) fn floor(x: f64) -> f64 {
-    // Larger numbers are whole, and may not fit an i64.
+    // Larger numbers are integers already and may not fit an i64.
     if x.is_nan() || x.abs() > 4e15 {
         return x;
     }

@@ -1,8 +1,8 @@
-//! A made ground: as rough as real ones at every scale, the same for everyone.
+//! Synthetic terrain: as rough as real terrain at every scale, and reproducible.
 
-/// Heights of `side` × `side` posts by midpoint displacement, metres about 0. The corners and the first midpoints are moved by up
-/// to `first_m`, those of each halving by `factor` times as much (2⁻ᴴ, H about 0.8 for mountains). `side` is one more than a
-/// power of two; of another size nothing but the corners has a height.
+/// Heights of `side` × `side` posts by midpoint displacement, metres about 0. The corners and the first midpoints are displaced
+/// by up to `first_m`. Each halving scales the displacement by `factor` (2⁻ᴴ, H about 0.8 for mountains). `side` must be a power
+/// of two plus one; with another size only the corners have a height.
 pub fn fractal_heights_m(side: u32, mut seed: u64, first_m: f64, factor: f64) -> Vec<f64> {
     let size = side as usize;
     let mut z = vec![0.0f64; size * size];
@@ -16,7 +16,7 @@ pub fn fractal_heights_m(side: u32, mut seed: u64, first_m: f64, factor: f64) ->
     let mut step = size - 1;
     while step > 1 && step.is_power_of_two() {
         let half = step / 2;
-        // The middles of squares first, then those of their edges.
+        // First the centres of squares, then the middles of their edges.
         for is_middle in [true, false] {
             for j in (0..size).step_by(half) {
                 for i in (0..size).step_by(half) {
@@ -47,7 +47,7 @@ pub fn fractal_heights_m(side: u32, mut seed: u64, first_m: f64, factor: f64) ->
     z
 }
 
-/// Numbers in −1…1 that look random (Knuth's MMIX).
+/// Pseudo-random numbers in −1…1 (Knuth's MMIX).
 fn noise(seed: &mut u64) -> f64 {
     *seed = seed
         .wrapping_mul(6_364_136_223_846_793_005)
@@ -64,7 +64,7 @@ mod tests {
         let z = fractal_heights_m(129, 7, 1_000.0, 0.5);
         assert_eq!(z, fractal_heights_m(129, 7, 1_000.0, 0.5));
         assert_ne!(z, fractal_heights_m(129, 8, 1_000.0, 0.5));
-        // Between posts twice as far apart heights differ about twice as much, with a factor of a half.
+        // With a factor of a half, posts twice as far apart differ about twice as much.
         let rise = |step: usize| {
             let at = |k: usize| (z[k * 129 + 64] - z[(k - step) * 129 + 64]).abs();
             (step..129).step_by(step).map(at).sum::<f64>() / (128 / step) as f64

@@ -1,13 +1,13 @@
-//! What the tags of a GeoTIFF say of its place, as they stand (OGC 19-008r4), and in which systems heights and maps may lie.
+//! Georeferencing tags of a GeoTIFF (OGC 19-008r4), and the coordinate systems accepted for elevation data and maps.
 
 use super::projection::{Parameters, Projection};
 use std::io::{Read, Seek};
 use tiff::decoder::Decoder;
 use tiff::tags::Tag;
 
-/// The key of the model: 1 is projected, 2 geographic, 3 geocentric.
+/// The key of the model type: 1 is projected, 2 geographic, 3 geocentric.
 pub const MODEL_TYPE: u16 = 1024;
-/// The key of the raster: 1 has areas, 2 points.
+/// The key of the raster type: 1 is areas, 2 points.
 pub const RASTER_TYPE: u16 = 1025;
 /// The key of the geographic coordinate system, an EPSG code.
 pub(crate) const GEOGRAPHIC_TYPE: u16 = 2048;
@@ -35,7 +35,7 @@ const NATURAL_SCALE: u16 = 3092;
 const POLE_LONGITUDE: u16 = 3095;
 const USER_DEFINED: u16 = 32_767;
 
-/// Geographic coordinate systems (EPSG) that lie within a few metres of WGS84.
+/// Geographic coordinate systems (EPSG) within a few metres of WGS84.
 const NEAR_WGS84: &[u16] = &[
     4326, // WGS84
     4979, // WGS84 with height
@@ -54,36 +54,36 @@ const NEAR_WGS84: &[u16] = &[
     7789, 9000, 8999, // ITRF2014, ITRF2008
 ];
 
-/// WGS84 and WGS72, NAD83, ETRS89 as datums: where no system is named.
+/// Datums accepted without a named system: WGS84, WGS72, NAD83 and ETRS89.
 const DATUMS: &[u16] = &[6326, 6322, 6269, 6258];
 
-/// Ellipsoids of these: WGS84, GRS80, WGS72, CGCS2000.
+/// Accepted ellipsoids: WGS84, GRS80, WGS72, CGCS2000.
 const ELLIPSOIDS: &[u16] = &[7030, 7019, 7043, 1024];
 
-/// Their half axes differ by two metres; those of older surveys by 70 m and more.
+/// Their semi-axes differ by two metres; those of older surveys differ by 70 m and more.
 const EQUATOR_M: f64 = 6_378_137.0;
 const EQUATOR_TOLERANCE_M: f64 = 10.0;
 
-/// A coordinate system that heights or maps are taken in.
+/// An accepted coordinate system of elevation data or maps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum System {
-    /// Latitudes and longitudes of WGS84 or nearly that.
+    /// Latitudes and longitudes of WGS84 or of a system close to it.
     Geographic {
-        /// Radians of one unit.
+        /// Radians per unit.
         unit_rad: f64,
-        /// The system is named by its code; else nothing speaks against it.
+        /// Whether a code names the system. If false, no key contradicts WGS84.
         is_named: bool,
     },
     /// Web Mercator, EPSG:3857, in metres.
     WebMercator,
 }
 
-/// Whether a geographic system (EPSG) lies within a few metres of WGS84.
+/// Whether a geographic system (EPSG) is within a few metres of WGS84.
 pub fn is_near_wgs84(code: u32) -> bool {
     u16::try_from(code).is_ok_and(|code| NEAR_WGS84.contains(&code))
 }
 
-/// What the tags say, as far as they are there.
+/// The tags, as far as present.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GeoTags {
     /// Size of a sample, to the east and to the south.
@@ -94,12 +94,12 @@ pub struct GeoTags {
     pub matrix: Option<Vec<f64>>,
     /// Pairs of (key, value) of the keys whose value is a whole number.
     pub keys: Vec<(u16, u16)>,
-    /// The same of those whose value is a double.
+    /// Pairs of (key, value) of the keys whose value is a double.
     pub doubles: Vec<(u16, f64)>,
 }
 
 impl GeoTags {
-    /// Tags that are not there or not of the right kind say nothing.
+    /// Ignores tags that are absent or of the wrong kind.
     pub fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Self {
         let mut numbers = |tag| decoder.get_tag_f64_vec(tag).ok();
         let scale = numbers(Tag::ModelPixelScaleTag);
@@ -117,7 +117,7 @@ impl GeoTags {
         }
     }
 
-    /// The keys of a key directory: four numbers a key after a header of four.
+    /// The keys of a key directory: a header of four numbers, then four numbers per key.
     fn read_keys(directory: &[u16]) -> Vec<(u16, u16)> {
         let (entries, _) = directory.get(4..).unwrap_or(&[]).as_chunks::<4>();
         entries
@@ -127,7 +127,7 @@ impl GeoTags {
             .collect()
     }
 
-    /// The keys whose value stands among the doubles.
+    /// The keys whose value is stored among the doubles.
     fn read_doubles(directory: &[u16], doubles: &[f64]) -> Vec<(u16, f64)> {
         let tag = Tag::GeoDoubleParamsTag.to_u16();
         let (entries, _) = directory.get(4..).unwrap_or(&[]).as_chunks::<4>();
@@ -138,7 +138,7 @@ impl GeoTags {
             .collect()
     }
 
-    /// Whether the tags name no system and place pixels at their own numbers, as libraries write what has no place: it says nothing.
+    /// Whether the tags name no system and map pixels to their own indices, as libraries write without a georeference.
     pub fn is_unplaced(&self) -> bool {
         if !matches!(self.system(), Ok(None)) {
             return false;
@@ -151,7 +151,7 @@ impl GeoTags {
             self.scale.as_deref(),
             self.tie.as_deref(),
         ) {
-            // Some leave the scale of heights at 0.
+            // Some writers leave the scale of heights at 0.
             (Some(matrix), ..) => {
                 let mut pairs = matrix.iter().zip(&IDENTITY).enumerate();
                 matrix.len() == 16 && pairs.all(|(n, (one, other))| n == 10 || one == other)
@@ -163,7 +163,7 @@ impl GeoTags {
         }
     }
 
-    /// The value of a key that has one.
+    /// The value of a key, if present.
     pub fn key(&self, key: u16) -> Option<u16> {
         self.keys.iter().find(|(k, _)| *k == key).map(|(_, v)| *v)
     }
@@ -173,10 +173,10 @@ impl GeoTags {
         found.map(|(_, value)| *value)
     }
 
-    /// The coordinate system; `None` where no key says it.
+    /// The coordinate system; `None` if no key states it.
     ///
     /// # Errors
-    /// What a system is called that is neither Web Mercator nor within a few metres of WGS84 in degrees or radians.
+    /// The name of a system that is not Web Mercator and not within a few metres of WGS84 in degrees or radians.
     pub fn system(&self) -> Result<Option<System>, String> {
         let projected = self.key(PROJECTED_TYPE);
         let geographic = self.key(GEOGRAPHIC_TYPE);
@@ -191,7 +191,7 @@ impl GeoTags {
         }
     }
 
-    /// The projection of a system in metres that lies within a few metres of WGS84, if it is a known one.
+    /// The projection, if known, of a system in metres within a few metres of WGS84.
     pub fn projection(&self) -> Option<Projection> {
         let is_projected = matches!(self.key(MODEL_TYPE), None | Some(1));
         if !is_projected || !matches!(self.key(LINEAR_UNITS), None | Some(9001)) {
@@ -203,7 +203,7 @@ impl GeoTags {
         }
     }
 
-    /// A projection that the keys spell out.
+    /// A projection whose parameters are given as keys.
     fn own_projection(&self) -> Option<Projection> {
         if self.geographic().is_err()
             || (self.key(GEOGRAPHIC_TYPE).is_none() && self.key(DATUM).is_none())
@@ -219,7 +219,7 @@ impl GeoTags {
         };
         let scale = self.double(NATURAL_SCALE).unwrap_or(1.0);
         let parallels = (self.double(FIRST_PARALLEL), self.double(SECOND_PARALLEL));
-        // Methods of GeoTIFF: transverse Mercator, Lambert with two parallels and with one, polar stereographic.
+        // GeoTIFF methods: transverse Mercator, Lambert with two parallels and with one, polar stereographic.
         match (self.key(TRANSFORMATION)?, parallels) {
             (1, _) => Some(Projection::transverse_mercator(parameters, scale)),
             (8, (Some(one), Some(two))) => Some(Projection::lambert(parameters, [one, two], 1.0)),
@@ -243,7 +243,7 @@ impl GeoTags {
         }
     }
 
-    /// A code of a system near WGS84, or none and nothing that speaks of another.
+    /// A geographic system near WGS84 by its code, or without a code if no key contradicts WGS84.
     fn geographic(&self) -> Result<System, String> {
         let code = self.key(GEOGRAPHIC_TYPE);
         if code.is_some_and(|code| !NEAR_WGS84.contains(&code)) {
@@ -265,7 +265,7 @@ impl GeoTags {
         })
     }
 
-    /// Keys of datum, ellipsoid and prime meridian may say what the system's code says, or contradict it.
+    /// Checks the keys of datum, ellipsoid and prime meridian; they may contradict the system's code.
     fn check_figure(&self) -> Result<(), String> {
         let other = |key: u16, known: &[u16]| self.key(key).filter(|code| !known.contains(code));
         if self.key(GEOGRAPHIC_TYPE).is_none()
@@ -292,10 +292,10 @@ impl GeoTags {
     }
 }
 
-/// Greenwich among the meridians that longitudes begin at.
+/// Code of the Greenwich prime meridian.
 const GREENWICH: u16 = 8901;
 
-/// What a thing with an EPSG code is called.
+/// Name of an object with an EPSG code.
 fn named(kind: &str, code: Option<u16>) -> String {
     match code {
         Some(code) if code != USER_DEFINED && code != 0 => format!("{kind} EPSG:{code}"),

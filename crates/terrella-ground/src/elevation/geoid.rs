@@ -1,11 +1,11 @@
-//! The geoid, and what heights of files stand above.
+//! The geoid, and the vertical datums of files.
 //!
-//! Heights of the ground are metres above the sea: files that give them above the ellipsoid are brought down to it, or else the ground of
-//! two files would lie up to 106 m apart. The geoid is EGM96 at every whole degree, interpolated by cubic convolution. Against EGM96 at
-//! every 15′ that is wrong by 0.4 m rms and 11 m at most, at deep trenches; EGM2008 differs from EGM96 by 0.5 m rms.
+//! Heights of the ground are metres above mean sea level. Heights of files above the ellipsoid are reduced to mean sea level; otherwise the ground of
+//! two files could differ by up to 106 m. The geoid is EGM96 at every whole degree, interpolated by cubic convolution. Compared with EGM96 at every
+//! 15′, the error is 0.4 m rms and at most 11 m, at deep trenches. EGM2008 differs from EGM96 by 0.5 m rms.
 //!
-//! Source of `egm96_1deg.bin`: the grid of 15′ WW15MGH.DAC (National Geospatial-Intelligence Agency, public domain), every fourth row and
-//! column: centimetres, big-endian, from 90° N to 90° S, each row from 0° to 359° E.
+//! Source of `egm96_1deg.bin`: the 15′ grid WW15MGH.DAC (National Geospatial-Intelligence Agency, public domain), every fourth row and column. The
+//! file holds big-endian centimetres from 90° N to 90° S, each row from 0° to 359° E.
 
 use serde::Deserialize;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -22,14 +22,14 @@ pub enum VerticalDatum {
     Egm96,
     /// The geoid EGM2008.
     Egm2008,
-    /// The sea as a country levels it, or nothing more exact: within a metre or two of the geoid.
+    /// National mean sea level, or an unspecified one: within a metre or two of the geoid.
     Sea,
     /// The ellipsoid of WGS84.
     Ellipsoid,
 }
 
 impl VerticalDatum {
-    /// As sidecars name it.
+    /// The name in sidecars.
     pub fn name(self) -> &'static str {
         match self {
             Self::Egm96 => "egm96",
@@ -39,7 +39,7 @@ impl VerticalDatum {
         }
     }
 
-    /// By the code of a vertical system, or of a geographic one with heights (EPSG). `None` of those that say nothing here.
+    /// The datum of a vertical system, or of a geographic system with heights, by EPSG code. `None` for other codes.
     pub(super) fn of_code(code: u16) -> Option<Self> {
         match code {
             5773 => Some(Self::Egm96),
@@ -52,7 +52,7 @@ impl VerticalDatum {
         }
     }
 
-    /// What is added to heights to make them those above the sea, at a place, metres.
+    /// The correction from these heights to heights above mean sea level at a place, metres.
     pub fn to_sea_m(self, lat_rad: f64, lon_rad: f64) -> f64 {
         match self {
             Self::Ellipsoid => -geoid_m(lat_rad, lon_rad),
@@ -75,7 +75,7 @@ pub fn geoid_m(lat_rad: f64, lon_rad: f64) -> f64 {
     cubic([-1, 0, 1, 2].map(across), row - top)
 }
 
-/// The grid's height at a row and a column; beyond a pole that of the opposite meridian.
+/// The grid's value at a row and a column; beyond a pole, that of the opposite meridian.
 fn node_m(row: i64, column: i64) -> f64 {
     let (row, column) = match row {
         ..0 => (-row, column + COLUMNS / 2),
@@ -86,7 +86,7 @@ fn node_m(row: i64, column: i64) -> f64 {
     f64::from(i16::from_be_bytes([GRID[at], GRID[at + 1]])) * 0.01
 }
 
-/// Cubic convolution (Catmull–Rom) between the second and the third.
+/// Cubic convolution (Catmull–Rom) between the second and the third value.
 fn cubic([a, b, c, d]: [f64; 4], t: f64) -> f64 {
     b + 0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)))
 }
@@ -114,7 +114,8 @@ mod tests {
             let turned_m = geoid_m(f64::to_radians(lat_deg), f64::to_radians(lon_deg - 720.0));
             assert!((got_m - turned_m).abs() < 1e-9);
         }
-        // Nodes: both poles from all sides, the low of the Indian Ocean, and the date line from both.
+        // Nodes: both poles at several longitudes, the low of the Indian Ocean, and the date line
+        // from both sides.
         for lon_rad in [0.0, 1.0, -3.0] {
             assert!((geoid_m(FRAC_PI_2, lon_rad) - 13.61).abs() < 1e-9);
             assert!((geoid_m(-FRAC_PI_2, lon_rad) + 29.53).abs() < 1e-9);

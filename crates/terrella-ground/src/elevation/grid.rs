@@ -1,4 +1,4 @@
-//! Heights at equal steps of latitude and longitude, held in memory.
+//! Elevation grids at equal steps of latitude and longitude, held in memory.
 
 pub(super) mod build;
 mod georeference;
@@ -22,18 +22,19 @@ use ranges::Ranges;
 use std::f64::consts::TAU;
 use std::fmt;
 
-/// Lowest height that is taken for one of the Earth, metres. The Challenger Deep lies at −10 935 m.
+/// Lowest plausible height on Earth, metres. The Challenger Deep is at −10 935 m.
 pub const LOWEST_M: f64 = -12_000.0;
 
-/// Highest height that is taken for one of the Earth, metres. Everest has 8 849 m.
+/// Highest plausible height on Earth, metres. Everest is 8 849 m high.
 pub const HIGHEST_M: f64 = 10_000.0;
 
-/// Over so many samples from its border inwards at least a local grid gains on what lies beneath. Over a sixteenth of its
-/// width or height if that is more: the coarser grid beneath may differ by hundreds of metres, which a short passage would
-/// make a cliff of. Never over more than a quarter.
+/// Minimum width of the feathered border of a local grid, in samples. The feather is a sixteenth of the grid's width or
+/// height if that is more. A coarser grid beneath may differ by hundreds of metres, and a short transition would draw a
+/// cliff. The feather never exceeds a quarter.
 pub const FEATHER_SAMPLES: f64 = 8.0;
 
-/// Why heights make no grid. Readers add the file ([`HeightFileError`](super::HeightFileError)).
+/// Why heights do not form a grid. Readers add the file
+/// ([`HeightFileError`](super::HeightFileError)).
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GridError {
@@ -46,13 +47,13 @@ pub enum GridError {
         columns: u32,
         rows: u32,
     },
-    /// No such place on Earth.
+    /// An impossible place on Earth.
     #[error("has impossible bounds: {what}; correct bounds, spacing or registration")]
     Place {
         /// Which rule the georeference breaks.
         what: &'static str,
     },
-    /// Not one height for each sample.
+    /// The number of heights differs from the number of samples.
     #[error("has {got} heights for {expected} samples; give one for each")]
     Count {
         /// Heights that were given.
@@ -60,7 +61,7 @@ pub enum GridError {
         /// Rows times columns.
         expected: u64,
     },
-    /// More memory than is allowed.
+    /// The grid exceeds the memory limit.
     #[error(
         "{columns} x {rows} samples would take {needed_mb} MB and {allowed_mb} MB are allowed; make them coarser \
          (`gdalwarp -r average -tr LON LAT IN OUT`) or allow more"
@@ -69,12 +70,12 @@ pub enum GridError {
         /// Samples of a row.
         columns: u32,
         rows: u32,
-        /// What it would take, megabytes.
+        /// Required memory, megabytes.
         needed_mb: u64,
-        /// What is allowed, megabytes.
+        /// Memory limit, megabytes.
         allowed_mb: u64,
     },
-    /// Heights that no ground has.
+    /// Heights outside the Earth's range.
     #[error(
         "holds heights of {low_m} m to {high_m} m; expected those of the Earth, {LOWEST_M} m to {HIGHEST_M} m: correct \
          unit, scale, offset, no-data value or byte order"
@@ -85,7 +86,7 @@ pub enum GridError {
         /// Highest height found, metres.
         high_m: f64,
     },
-    /// No height at all.
+    /// No sample has data.
     #[error("has no data in any sample; leave it out")]
     Empty,
 }
@@ -93,24 +94,24 @@ pub enum GridError {
 /// Counts and range of a grid's heights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridStats {
-    /// Samples without data, which were given heights.
+    /// Samples without data that were filled.
     pub holes: u64,
-    /// Those of them so far from data that the source beneath is taken, in part or alone.
+    /// Filled samples so far from data that the source beneath replaces them, partly or fully.
     pub left_holes: u64,
     /// Lowest and highest sample.
     pub range: HeightRange,
-    /// Step between heights that can be held, metres; 0 where they are floating-point numbers.
+    /// Step between representable heights, metres; 0 for floating-point heights.
     pub quantum_m: f64,
-    /// Levels of the pyramid, the finest included.
+    /// Levels of the pyramid, including the finest.
     pub levels: u32,
-    /// Bytes held.
+    /// Bytes in memory.
     pub bytes: u64,
 }
 
 /// A level of the pyramid.
 struct Level {
     shape: LevelShape,
-    /// Metres; empty in the finest level, whose samples are the grid's.
+    /// Metres; empty in the finest level, which uses the grid's samples.
     means_m: Vec<f32>,
     /// Heights of the poles, north first: the means of the outermost rows.
     poles_m: [f64; 2],
@@ -118,29 +119,28 @@ struct Level {
 
 /// A regular grid of heights with a pyramid of averages.
 ///
-/// **Between samples** heights are bilinear, so continuous, and exact on planes (heights linear in latitude and
-/// longitude). A grid that goes round the Earth closes on itself at its seam. Where such a grid comes within a step of a
-/// pole, the mean of its outermost row stands at the pole. Beyond its border the nearest sample's height stays.
+/// **Between samples** heights are bilinear: continuous, and exact on planes (heights linear in latitude and longitude). A grid around the whole
+/// Earth closes on itself at its seam. Where such a grid comes within a step of a pole, the pole has the mean of its outermost row. Beyond the border
+/// the nearest sample's height applies.
 ///
-/// **Spacings.** Level k of the pyramid holds means over squares of 2^k of the finest spacings on the ground, rows near
-/// the poles evened out along themselves as far. Asked for a spacing between those of two levels, the grid answers
-/// their blend, linear in the spacing; below the finest, the finest. Interpolated between its samples, a level of
-/// spacing s averages over about s to each side.
+/// **Spacings.** Level k of the pyramid holds means over squares of 2^k of the finest spacings on the ground. Rows near the poles are averaged along
+/// themselves over the same distance. For a spacing between those of two levels, the grid returns their blend, linear in the spacing. Below the
+/// finest spacing it returns the finest level. Interpolated between its samples, a level of spacing s averages over about s to each side.
 ///
-/// **Holes** (samples that are no numbers) up to 4 samples from a datum get the interpolated mean of the finest level
-/// that has data there. Further in, that counts for less and less, and from 9 samples on the source beneath is taken
-/// ([`Ground`](super::Ground)). [`Self::stats`] counts them.
+/// **Holes** are NaN samples. Up to 4 samples from a datum they get the interpolated mean of the finest level that has data there. Farther in, the
+/// weight of that mean decreases, and from 9 samples on the source beneath applies ([`Ground`](super::Ground)). [`Self::stats`] counts them.
 ///
-/// **Memory**, per sample: whole metres take 2 bytes and the pyramids 2.7, other heights 4 and 4. If that is more than
-/// [`GridLimits`] allow, heights are rounded to 65 500 steps between lowest and highest if 2 and 2.7 bytes are allowed.
-/// One byte more where holes are left. While a grid is made, its heights and the means are held beside it.
+/// **Memory** per sample: integer metres take 2 bytes and the pyramids 2.7; other heights take 4 and 4. If that exceeds [`GridLimits`] and 2 and 2.7
+/// bytes do not, heights are rounded to 65 500 steps between lowest and highest. Holes that are left take one more byte. During construction the
+/// input heights and the means also take memory.
 pub struct HeightGrid {
     place: Placement,
     samples: HeightSamples,
     /// The finest first.
     levels: Vec<Level>,
     ranges: Ranges,
-    /// How far each sample is believed, 255 wholly, and that of both poles; nothing where all are.
+    /// Confidence of each sample, 255 for full confidence, and of both poles. `None` if all are
+    /// fully trusted.
     coverage: Option<(Vec<u8>, [f64; 2])>,
     steps_per_rad: f64,
     stats: GridStats,
@@ -148,7 +148,7 @@ pub struct HeightGrid {
 
 impl fmt::Debug for HeightGrid {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Not the samples.
+        // Omit the samples.
         f.debug_struct("HeightGrid")
             .field("lattice", &self.place.lattice)
             .field("stats", &self.stats)
@@ -167,12 +167,12 @@ impl HeightGrid {
     #[inline]
     fn at(&self, row: f64, column: f64, spacing_rad: f64) -> f64 {
         let steps = spacing_rad * self.steps_per_rad;
-        // Also where the spacing is not a number.
+        // True also for a spacing that is NaN.
         if steps.is_nan() || steps <= 1.0 || self.levels.len() == 1 {
             return self.at_level(0, row, column);
         }
         let coarsest = self.levels.len() - 1;
-        // steps = 2^level·(1 + part), read from the number's own form.
+        // steps = 2^level·(1 + part), read from the bits of the number.
         let level = ((steps.to_bits() >> 52) as usize).saturating_sub(1023);
         if level >= coarsest {
             return self.at_level(coarsest, row, column);
@@ -214,24 +214,24 @@ impl HeightGrid {
         }
     }
 
-    /// How much a place's height counts against that of what lies beneath, 0…1, continuous: 0 outside the grid and on
-    /// its border, 1 from some samples inside on ([`FEATHER_SAMPLES`]), except in holes.
+    /// Weight of the grid's height against the source beneath, 0…1, continuous. It is 0 outside the grid and on its
+    /// border. It is 1 from some samples inwards ([`FEATHER_SAMPLES`]), except in holes.
     pub fn weight(&self, lat_rad: f64, lon_rad: f64) -> f64 {
         self.joined_weight(lat_rad, lon_rad, &Joins::default())
     }
 
-    /// The same of a grid that others go on from.
+    /// The weight of a grid with neighbours that continue it.
     pub(super) fn joined_weight(&self, lat_rad: f64, lon_rad: f64, joins: &Joins) -> f64 {
         let (row, column) = self.place.lattice.locate(lat_rad, lon_rad);
         self.weight_at(row, column, joins)
     }
 
-    /// Where the grid lies.
+    /// The placement of the grid.
     pub fn placement(&self) -> &Placement {
         &self.place
     }
 
-    /// Height and weight of a place; no height where the weight is 0.
+    /// Height and weight at a place; no height where the weight is 0.
     #[inline]
     pub fn weighted(
         &self,
@@ -260,7 +260,8 @@ impl HeightGrid {
         }
     }
 
-    /// Whether the grid alone says the height of every place inside the bounds. May say no too often.
+    /// Whether the grid alone determines the height of every place inside the bounds. May wrongly
+    /// return `false`.
     pub(super) fn rules(&self, bounds: &Bounds) -> bool {
         let (rows, columns) = self.span(bounds);
         if self.place.lattice.is_periodic {
@@ -270,7 +271,7 @@ impl HeightGrid {
                 return false;
             }
         } else {
-            // Inside ramps only, weights grow towards the middle: the corners have the least.
+            // Inside ramps only, weights grow towards the middle, so the corners have the smallest.
             let west = (bounds.west_rad - self.place.bounds.west_rad).rem_euclid(TAU);
             if west + bounds.width_rad > self.place.bounds.width_rad {
                 return false;
@@ -286,12 +287,12 @@ impl HeightGrid {
                 .has_left_hole(&self.place.lattice, rows, columns)
     }
 
-    /// Lowest and highest height that the grid answers inside the bounds at spacings up to `coarsest_rad`; infinite for
-    /// any. May be too wide, never too narrow.
+    /// Lowest and highest height that the grid returns inside the bounds at spacings up to `coarsest_rad`; infinity
+    /// covers every spacing. May be too wide, never too narrow.
     pub fn range_m(&self, bounds: &Bounds, coarsest_rad: f64) -> HeightRange {
         let (rows, columns) = self.span(bounds);
         let steps = coarsest_rad * self.steps_per_rad;
-        // A blend takes the level above in; a spacing that is no number asks for the finest.
+        // A blend includes the level above; a NaN spacing requests the finest level.
         let coarsest = if steps > 1.0 {
             steps.log2().min(64.0) as usize + 1
         } else {
@@ -301,8 +302,8 @@ impl HeightGrid {
         self.ranges.over(self, rows, columns, coarsest)
     }
 
-    /// First and last row, first and last column of the bounds, real numbers of the finest level. Columns of a grid that
-    /// goes round may go on behind its last; of others they stay inside it.
+    /// First and last row, first and last column of the bounds, as real numbers of the finest level. Columns of a
+    /// periodic grid may exceed its last; columns of other grids stay inside.
     fn span(&self, bounds: &Bounds) -> ((f64, f64), (f64, f64)) {
         let (north, west) = self.place.lattice.locate(bounds.north_rad, bounds.west_rad);
         let (south, _) = self.place.lattice.locate(bounds.south_rad, bounds.west_rad);
@@ -312,29 +313,30 @@ impl HeightGrid {
             (west, west + width.min(columns))
         } else {
             let turn = TAU / self.place.lattice.lon_step_rad;
-            // Behind the meridian opposite the grid its other side is the nearer one.
+            // Past the meridian opposite to the grid, its other side is nearer.
             if west + width > 0.5 * (columns - 1.0) + 0.5 * turn {
                 (0.0, columns - 1.0)
             } else {
                 (west, west + width)
             }
         };
-        // The last digit of an angle must not take a sample away.
+        // Rounding of an angle must not drop a sample.
         let more = 1e-6;
         ((north - more, south + more), (west - more, east + more))
     }
 
-    /// What the grid covers.
+    /// The bounds that the grid covers.
     pub fn bounds(&self) -> Bounds {
         self.place.bounds
     }
 
-    /// Samples of a row, and rows. A last sample that repeats the first of its row behind a full turn is not kept.
+    /// Samples of a row, and rows. A last sample that repeats the first of its row after 360° is not kept.
     pub fn size(&self) -> (u32, u32) {
         self.place.size()
     }
 
-    /// A sample, metres: the first column is the western, the first row the northern. The nearest beyond the edge.
+    /// A sample, metres: the first column is the western, the first row the northern. Beyond the edge, the nearest
+    /// sample.
     pub fn sample_m(&self, column: u32, row: u32) -> f64 {
         let (columns, rows) = self.size();
         let (column, row) = (column.min(columns - 1), row.min(rows - 1));
@@ -342,7 +344,8 @@ impl HeightGrid {
             .at_m(row as usize * columns as usize + column as usize)
     }
 
-    /// From the first to the last sample each way: half a spacing less than [`Self::bounds`] where samples are cells.
+    /// Bounds from the first to the last sample each way: half a spacing inside [`Self::bounds`] where samples are
+    /// cells.
     pub fn sample_bounds(&self) -> Bounds {
         self.place.sample_bounds()
     }
@@ -353,8 +356,9 @@ impl HeightGrid {
         self.place.finest_rad
     }
 
-    /// Angle over which what the grid makes of the ground varies, inside it, radians: [`Self::finest_spacing_rad`], but of a
-    /// grid of one height without holes the width of its feathered border, and infinite where that is of the whole Earth.
+    /// Angle over which the grid's contribution varies, inside it, radians. This is [`Self::finest_spacing_rad`] except for
+    /// a grid of one height without holes. For that grid it is the width of the feathered border, or infinite if the grid
+    /// covers the whole Earth.
     pub fn detail_rad(&self) -> f64 {
         self.place
             .detail_rad(self.is_flat() && self.coverage.is_none())

@@ -1,4 +1,4 @@
-//! All heights of a scene: grids over one another, and beneath them the sea, or tiles of a source.
+//! The elevation data of a scene: stacked grids over the sea or over tiles of a source.
 
 use super::Joins;
 use super::basins;
@@ -9,37 +9,35 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use std::fmt;
 use std::sync::Arc;
 
-/// Parts into which the Earth is divided to find the grids of a place, along a parallel and along a meridian.
+/// Cells of the Earth used to find the grids of a place, along a parallel and along a meridian.
 const COLUMNS: usize = 72;
 const ROWS: usize = 36;
 
-/// Grids over one another, the finest on top, and beneath them all a flat sea at height 0, or the tiles of a
-/// [`StreamedGround`](super::StreamedGround).
+/// Stacked grids, the finest on top, over a flat sea at height 0 or over the tiles of a [`StreamedGround`](super::StreamedGround).
 ///
-/// **Overlaps**: of two grids the one of the finer [`HeightGrid::finest_spacing_rad`] lies on top, of equal ones the one
-/// given first. A grid that is not of the whole Earth is feathered: over its outermost
-/// samples, a sixteenth of its width and height and at least [`FEATHER_SAMPLES`](super::FEATHER_SAMPLES), it goes over
-/// smoothly into what lies beneath, and so around holes that are left to that. Heights are therefore continuous everywhere.
-/// Where another grid of like spacing (within a factor of 2) goes on, a grid is not feathered: tiles that share their outermost
-/// posts, that touch, or that lie up to a sample apart are one ground. Of two that are registered by cells the nearer one says the
-/// height between their outermost samples.
+/// **Overlaps**: of two grids the one with the finer [`HeightGrid::finest_spacing_rad`] is on top. Of equal ones, the first given is on top. A grid
+/// that does not cover the whole Earth is feathered. Over its outermost samples it blends smoothly into the source beneath. The feather is a
+/// sixteenth of the width and height, and at least [`FEATHER_SAMPLES`](super::FEATHER_SAMPLES). The same applies around unfilled holes. Heights are
+/// therefore continuous everywhere. Where another grid of similar spacing (within a factor of 2) continues, a grid is not feathered. Tiles that share
+/// their outermost posts, that touch, or that are up to a sample apart form one ground. Of two grids of cells, the nearer one determines the height
+/// between their outermost samples.
 ///
-/// **Spacings**: each grid averages its own samples; an average does not reach over a grid's border.
+/// **Spacings**: each grid averages its own samples; an average does not extend over a grid's border.
 ///
-/// Time of a height is that of one grid and a few nanoseconds for each grid over the same part (5° × 5°) of the Earth.
+/// A query costs one grid lookup plus a few nanoseconds for each grid over the same part (5° × 5°) of the Earth.
 #[derive(Clone)]
 pub struct Ground {
     /// From the top down.
     grids: Arc<[Arc<HeightGrid>]>,
-    /// What joins each of them to others.
+    /// Joins of each grid with others.
     joins: Arc<[Joins]>,
-    /// Numbers of the grids that reach into each part, from the top down.
+    /// Indices of the grids that overlap each part, from the top down.
     parts: Arc<[Vec<u32>]>,
-    /// Grids of the whole Earth are not below the sea.
+    /// Whether heights of grids of the whole Earth stay at or above the sea.
     has_sea_surface: bool,
-    /// Where there is land that may lie a little below the sea.
+    /// Map of the land that may be slightly below the sea.
     land: Option<Arc<LandShares>>,
-    /// What lies beneath in place of the sea.
+    /// Tiles beneath the grids in place of the sea.
     tiles: Option<Arc<TilePyramid>>,
 }
 
@@ -54,10 +52,10 @@ impl fmt::Debug for Ground {
 }
 
 impl Ground {
-    /// Grids in any order; none for the sea alone.
+    /// Grids in any order; none for a sea only.
     pub fn new(grids: impl IntoIterator<Item = Arc<HeightGrid>>) -> Self {
         let mut grids: Vec<_> = grids.into_iter().collect();
-        // Stable: of equal ones the first stays first.
+        // Stable: equal grids keep their order.
         grids.sort_by(|a, b| a.finest_spacing_rad().total_cmp(&b.finest_spacing_rad()));
         let placements: Vec<_> = grids.iter().map(|grid| grid.placement()).collect();
         let joins = Joins::of(&placements);
@@ -80,7 +78,7 @@ impl Ground {
         }
     }
 
-    /// The same grids over tiles in place of the sea, or of other tiles.
+    /// The same grids over tiles in place of the sea or of earlier tiles.
     pub(super) fn over_tiles(&self, tiles: Arc<TilePyramid>) -> Self {
         Self {
             tiles: Some(tiles),
@@ -88,16 +86,16 @@ impl Ground {
         }
     }
 
-    /// The same with the sea's surface in place of its floor: of grids of the whole Earth, and of tiles, no height is below 0, but for the
-    /// dry land of basins that are known, as Turpan and the valley of the Jordan. Other grids keep their heights. With `land`, a map of
-    /// it, heights down to −10 m stay where the map has land: polders, deltas and others.
+    /// The same with the sea surface in place of the sea floor. Heights of tiles and of grids of the whole Earth are then at least 0.
+    /// Known basins of dry land, such as Turpan and the Jordan valley, are excepted. Other grids keep their heights. With the map `land`,
+    /// heights down to −10 m stay where the map has land: polders, deltas and others.
     pub fn with_sea_surface(mut self, land: Option<Arc<LandShares>>) -> Self {
         self.has_sea_surface = true;
         self.land = land;
         self
     }
 
-    /// The lowest that is drawn at a place of what lies below the sea, metres.
+    /// The lowest height drawn at a place where the sea surface replaces the floor, metres.
     #[inline]
     fn lowest_m(&self, lat_rad: f64, lon_rad: f64) -> f64 {
         let of_basins_m = basins::lowest_m(lat_rad, lon_rad);
@@ -107,7 +105,7 @@ impl Ground {
         }
     }
 
-    /// The same of all places within bounds, or lower.
+    /// A lower bound of the same within bounds.
     fn lowest_in_m(&self, bounds: &Bounds) -> f64 {
         let of_land_m = self
             .land
@@ -116,13 +114,13 @@ impl Ground {
         basins::lowest_in_m(bounds).min(of_land_m)
     }
 
-    /// Whether what is below the sea in a grid is not drawn.
+    /// Whether heights of a grid below the sea are hidden.
     #[inline]
     fn hides_floor_of(&self, grid: &HeightGrid) -> bool {
         self.has_sea_surface && grid.bounds().width_rad >= TAU - 1e-9
     }
 
-    /// A grid's height as it is drawn.
+    /// A grid's height as drawn.
     #[inline]
     fn drawn_m(&self, grid: &HeightGrid, height_m: f64, lat_rad: f64, lon_rad: f64) -> f64 {
         if height_m > 0.0 || !self.hides_floor_of(grid) {
@@ -131,7 +129,7 @@ impl Ground {
         height_m.max(self.lowest_m(lat_rad, lon_rad))
     }
 
-    /// The height of what lies beneath all grids.
+    /// The height of the source beneath all grids.
     #[inline]
     fn beneath_m(&self, lat_rad: f64, lon_rad: f64, spacing_rad: f64) -> f64 {
         match &self.tiles {
@@ -151,12 +149,12 @@ impl Ground {
         &self.grids
     }
 
-    /// Bytes that all grids hold.
+    /// Bytes of all grids.
     pub fn bytes(&self) -> u64 {
         self.grids.iter().map(|grid| grid.stats().bytes).sum()
     }
 
-    /// The grids that may reach to a place, from the top down.
+    /// The grids that may cover a place, from the top down.
     #[inline]
     fn at(&self, lat_rad: f64, lon_rad: f64) -> impl Iterator<Item = (&HeightGrid, &Joins)> {
         let part = self.parts.get(part_of(lat_rad, lon_rad));
@@ -194,7 +192,7 @@ impl Elevation for Ground {
             };
         }
         if self.grids.is_empty() {
-            // As below: no height is a negative zero.
+            // As below: avoids a negative zero.
             return 0.0 + self.beneath_m(lat_rad, lon_rad, spacing_rad);
         }
         let (mut height_m, mut beneath) = (0.0, 1.0);
@@ -266,7 +264,7 @@ impl Elevation for Ground {
 }
 
 impl Ground {
-    /// The range of what is there now, or of all that there will ever be.
+    /// The range of the current heights, or of all heights at any later time.
     fn range_of(&self, bounds: &Bounds, coarsest_rad: f64, is_ever: bool) -> HeightRange {
         let (mut low_m, mut high_m) = (f64::INFINITY, f64::NEG_INFINITY);
         for grid in self.grids.iter() {
@@ -302,7 +300,7 @@ impl Ground {
     }
 }
 
-/// The part of the Earth that a place lies in.
+/// The part of the Earth that contains a place.
 #[inline]
 fn part_of(lat_rad: f64, lon_rad: f64) -> usize {
     // Negative numbers saturate at 0.
@@ -312,7 +310,7 @@ fn part_of(lat_rad: f64, lon_rad: f64) -> usize {
     row.min(ROWS - 1) * COLUMNS + column.min(COLUMNS - 1)
 }
 
-/// Bounds of a part and a little more, for rounding.
+/// Bounds of a part with a margin for rounding.
 fn part_bounds(part: usize) -> Bounds {
     const MORE: f64 = 1e-9;
     let height = std::f64::consts::PI / ROWS as f64;

@@ -1,9 +1,9 @@
-//! Tiles of heights that touch are one ground.
+//! Elevation tiles that touch form one ground.
 
 use super::*;
 use std::sync::Arc;
 
-/// The height of every tile, metres: whatever lies between two of them must have it too.
+/// The height of every tile, metres: any place between two of them must have it too.
 const PLATEAU_M: f32 = 2000.0;
 
 fn bounds(west_deg: f64, south_deg: f64, width_deg: f64, height_deg: f64) -> Bounds {
@@ -19,7 +19,7 @@ fn tile(registration: Registration, bounds: Bounds, side: u32) -> Arc<HeightGrid
     flat(registration, bounds, side, PLATEAU_M)
 }
 
-/// Not quite flat, or it would be held as one number.
+/// Almost flat; a flat grid would be stored as one number.
 fn flat(registration: Registration, bounds: Bounds, side: u32, height_m: f32) -> Arc<HeightGrid> {
     let place = Georeference::from_bounds(registration, &bounds, side, side).expect("a place");
     let heights = (0..side * side).map(|n| height_m + (n % 2) as f32 * 0.25);
@@ -45,7 +45,8 @@ fn assert_plateau(ground: &Ground, from_deg: (f64, f64), to_deg: (f64, f64), wha
     assert!(low >= 1999.99 && high <= 2000.26, "{what}: {low} to {high}");
 }
 
-/// Latitudes and longitudes of lines over and along the seam at 6° E between tiles of 45 to 46° N.
+/// Latitudes and longitudes of lines across and along the seam at 6° E between tiles of 45 to 46°
+/// N.
 const LINES: [((f64, f64), (f64, f64)); 3] = [
     ((45.5, 5.2), (45.5, 6.8)),
     ((45.2, 6.0), (45.8, 6.0)),
@@ -65,13 +66,13 @@ fn tiles_that_share_a_post_or_touch_by_cells_have_no_valley_between_them() {
             for (from, to) in LINES {
                 assert_plateau(&ground, from, to, what);
             }
-            // The outer border is feathered as before.
+            // The outer border is still feathered.
             assert!(along(&ground, (45.5, 6.8), (45.5, 7.0)).0 < 1.0);
         }
     }
 }
 
-/// As files that end half a sample early: the last post of one lies a sample from the first of the other.
+/// Files that end half a sample early: the last post of one is a sample from the first of the other.
 #[test]
 fn tiles_a_sample_apart_touch() {
     let step = 1.0 / 120.0;
@@ -116,7 +117,7 @@ fn beside_a_shorter_neighbour_the_rest_of_the_border_is_feathered_without_a_step
     assert_plateau(&ground, (45.4, 5.0), (45.4, 6.6), "where both are");
     // Beside the open half the border falls to the sea …
     assert!(along(&ground, (46.5, 5.0), (46.5, 6.0)).0 < 1.0);
-    // … and from the one half to the other, and over the seam, without a jump.
+    // … and there is no jump from one half to the other or over the seam.
     for (from, to) in [
         ((45.2, 5.99), (46.8, 5.99)),
         ((45.97, 5.5), (45.97, 6.5)),
@@ -137,7 +138,7 @@ fn beside_a_shorter_neighbour_the_rest_of_the_border_is_feathered_without_a_step
     }
 }
 
-/// A fine tile in a coarse one goes over into it, and beside another fine one it does not.
+/// A fine tile in a coarse one blends into it; beside another fine tile it does not.
 #[test]
 fn fine_tiles_that_touch_over_a_coarse_one_are_feathered_into_it_alone() {
     let base = flat(
@@ -159,7 +160,7 @@ fn fine_tiles_that_touch_over_a_coarse_one_are_feathered_into_it_alone() {
     );
 }
 
-/// Two that overlap well go over into each other as ever, and neither falls to the sea.
+/// Tiles with a wide overlap still blend into each other, and neither falls to the sea.
 #[test]
 fn tiles_that_overlap_do_not_fall_to_the_sea_inside_each_other() {
     for overlap_deg in [0.02, 0.1, 0.5] {

@@ -1,33 +1,32 @@
-//! Land by a map of open water: it keeps its heights a little below the sea, as polders and deltas do.
+//! Land by a map of open water. Land keeps its heights slightly below the sea, as polders and deltas do.
 //!
-//! The map has no lakes, and no ice but that of shelves: what elevations have below the sea there is beds of lakes, down to −971 m in
-//! the Caspian Sea, and rock below ice. So land is kept down to [`SHALLOW_M`] only. What is deeper and dry is known
-//! ([`basins`](super::basins)).
+//! The map has no lakes, and no ice except ice shelves. Elevation data below the sea there are beds of lakes, down to −971 m in the Caspian Sea, and
+//! rock below ice. Land is therefore kept down to [`SHALLOW_M`] only. Deeper dry land is listed in [`basins`](super::basins).
 
 use super::Bounds;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// How far land may lie below the sea where no basin is known, metres. Polders and deltas reach down to −7 m.
+/// Lowest land below the sea outside the known basins, metres. Polders and deltas reach down to −7 m.
 pub const SHALLOW_M: f64 = 10.0;
 
-/// Parts into which the Earth is divided to find out at once that there is no land: 5° each.
+/// Cells of the Earth, 5° each, for a fast test for land.
 const COLUMNS: usize = 72;
 const ROWS: usize = 36;
 
-/// How much of each texel of a map is land.
+/// Land fraction of each texel of a map.
 #[derive(Debug)]
 pub struct LandShares {
     columns: usize,
     rows: usize,
     /// 0…255, row after row from the north and from 180° W.
     shares: Vec<u8>,
-    /// Whether each part has a texel that is land for the most part.
+    /// Whether each cell has a texel that is mostly land.
     has_land: Vec<bool>,
 }
 
 impl LandShares {
-    /// By a map of open water of the whole Earth: a byte for each texel, 255 for water alone, rows from the north and from 180° W.
-    /// `None` of a map without texels, or of another size.
+    /// Builds it from a map of open water of the whole Earth: one byte per texel, 255 for all water. Rows run from the north and
+    /// start at 180° W. `None` for a map without texels or of another size.
     pub fn of_water(columns: u32, rows: u32, water: &[u8]) -> Option<Self> {
         let (columns, rows) = (columns as usize, rows as usize);
         if columns == 0 || rows == 0 || Some(water.len()) != columns.checked_mul(rows) {
@@ -35,7 +34,7 @@ impl LandShares {
         }
         let mut has_land = vec![false; COLUMNS * ROWS];
         for (row, of_row) in water.chunks_exact(columns).enumerate() {
-            // A texel counts as far as the middles of its neighbours.
+            // A texel has influence up to the centres of its neighbours.
             let near_row = |n: usize| (n * ROWS / rows).min(ROWS - 1);
             let part_rows = near_row(row.saturating_sub(1))..=near_row((row + 2).min(rows - 1));
             for (column, _) in of_row.iter().enumerate().filter(|(_, water)| **water < 128) {
@@ -55,7 +54,7 @@ impl LandShares {
         })
     }
 
-    /// The lowest that land lies at a place, metres: 0 where more is water than land. It is continuous.
+    /// The lowest land at a place, metres: 0 where water prevails. Continuous.
     pub(super) fn lowest_m(&self, lat_rad: f64, lon_rad: f64) -> f64 {
         let turns = lon_rad / TAU + 0.5;
         let turns = turns - turns.floor();
@@ -63,7 +62,7 @@ impl LandShares {
         if !self.has_land[part] {
             return 0.0;
         }
-        // Between the middles of texels. Numbers below 0 saturate.
+        // Between the centres of texels. Negative numbers saturate.
         let y = (FRAC_PI_2 - lat_rad) / PI * self.rows as f64 - 0.5;
         let y = y.clamp(0.0, (self.rows - 1) as f64);
         let x = turns * self.columns as f64 - 0.5;
@@ -81,11 +80,11 @@ impl LandShares {
         };
         let south = (row + 1).min(self.rows - 1);
         let share = (in_row(row) * (1.0 - of_row) + in_row(south) * of_row) / 255.0;
-        // No height is a negative zero.
+        // Avoids a negative zero.
         0.0 - SHALLOW_M * (2.0 * share - 1.0).clamp(0.0, 1.0)
     }
 
-    /// The lowest that land lies anywhere within bounds, or lower, metres.
+    /// A lower bound of the land heights within bounds, metres.
     pub(super) fn lowest_in_m(&self, bounds: &Bounds) -> f64 {
         let first = ((bounds.west_rad / TAU + 0.5).rem_euclid(1.0) * COLUMNS as f64) as usize;
         let count = (bounds.width_rad.clamp(0.0, TAU) / TAU * COLUMNS as f64) as usize + 2;
@@ -107,7 +106,7 @@ fn row_of(lat_rad: f64) -> usize {
 mod tests {
     use super::*;
 
-    /// Land in the east, and an island of one texel at 32° S 98° W; the last column and the first are land, too.
+    /// Land in the east, and an island of one texel at 32° S 98° W; the last column and the first are also land.
     fn shares() -> LandShares {
         let (columns, rows) = (90, 45);
         let water = (0..columns * rows).map(|n| {
@@ -132,9 +131,9 @@ mod tests {
             (0.0, 0.0, 0.0),
             (45.0, -120.0, 0.0),
             (-32.0, -98.0, -SHALLOW_M),
-            // Where land and water meet, 2° from the middles of both texels, the sea begins.
+            // Where land and water meet, 2° from the centres of both texels, the sea begins.
             (0.0, 64.0, 0.0),
-            // Half way from there to the middle of the land.
+            // Midway from there to the centre of the land.
             (0.0, 65.0, -SHALLOW_M / 2.0),
         ] {
             let found = lowest(lat, lon);

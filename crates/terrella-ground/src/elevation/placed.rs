@@ -1,33 +1,33 @@
-//! Which of many rectangles lie near a place.
+//! Spatial index: finds the rectangles near a place.
 
 use super::Bounds;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Parts into which the Earth is divided, along a parallel and along a meridian: 5° each.
+/// Cells of the Earth, along a parallel and along a meridian: 5° each.
 const COLUMNS: usize = 72;
 const ROWS: usize = 36;
 
-/// More to each side, for rounding, radians.
+/// Margin on each side for rounding, radians.
 const MORE_RAD: f64 = 1e-9;
 
-/// Rectangles by the parts of the Earth that they reach into.
+/// Rectangles by the cells that they overlap.
 #[derive(Debug)]
 pub struct PlacedBounds(Vec<Vec<u32>>);
 
 impl PlacedBounds {
-    /// Of rectangles that are numbered from 0.
+    /// Index of rectangles, numbered from 0.
     pub fn new(bounds: impl IntoIterator<Item = Bounds>) -> Self {
         let mut parts = vec![Vec::new(); COLUMNS * ROWS];
         for (number, bounds) in bounds.into_iter().enumerate() {
             for part in parts_of(&bounds) {
-                // At most as many as a grid has numbers for.
+                // A grid cannot number more.
                 parts[part].push(number as u32);
             }
         }
         Self(parts)
     }
 
-    /// Numbers of all that may overlap these bounds, ascending, each once.
+    /// Indices of all rectangles that may overlap these bounds, ascending and unique.
     pub fn near(&self, bounds: &Bounds) -> Vec<usize> {
         let mut numbers: Vec<usize> = parts_of(bounds)
             .flat_map(|part| &self.0[part])
@@ -39,7 +39,7 @@ impl PlacedBounds {
     }
 }
 
-/// The parts that bounds reach into.
+/// The cells that bounds overlap.
 fn parts_of(bounds: &Bounds) -> impl Iterator<Item = usize> + use<> {
     // Negative numbers saturate at 0.
     let row = |lat_rad: f64| (((FRAC_PI_2 - lat_rad) * (ROWS as f64 / PI)) as usize).min(ROWS - 1);
@@ -49,7 +49,7 @@ fn parts_of(bounds: &Bounds) -> impl Iterator<Item = usize> + use<> {
     let width = (bounds.width_rad + 2.0 * MORE_RAD).clamp(0.0, TAU) / step_rad;
     let first = west as usize;
     let count = ((west + width) as usize - first + 1).min(COLUMNS);
-    // On a pole all meridians meet.
+    // All meridians meet at a pole.
     let pole = FRAC_PI_2 - MORE_RAD;
     let (north, south) = (bounds.north_rad >= pole, bounds.south_rad <= -pole);
     let poles = [(0, north), (ROWS - 1, south)].into_iter();
@@ -100,7 +100,7 @@ mod tests {
             }
             assert!(near.windows(2).all(|pair| pair[0] < pair[1]));
         }
-        // A degree is not compared with all of them.
+        // A query of one degree does not compare all rectangles.
         assert!(placed.near(&of(10.0, 11.0, 10.0, 1.0)).len() < 60);
     }
 }

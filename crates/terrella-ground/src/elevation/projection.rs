@@ -47,7 +47,7 @@ fn isometric(lat_rad: f64) -> f64 {
     }
 }
 
-/// Latitude of an isometric one: each step gains two digits.
+/// Latitude of an isometric latitude; each iteration gains two digits.
 fn latitude_rad(isometric: f64) -> f64 {
     let e = eccentricity();
     let mut sine = isometric.tanh();
@@ -57,7 +57,7 @@ fn latitude_rad(isometric: f64) -> f64 {
     sine.asin()
 }
 
-/// Radius of a parallel, in those of the equator.
+/// Radius of a parallel, in equatorial radii.
 fn parallel(lat_rad: f64) -> f64 {
     let e_sine = eccentricity() * lat_rad.sin();
     lat_rad.cos() / (1.0 - e_sine * e_sine).sqrt()
@@ -82,7 +82,7 @@ fn series() -> ([f64; 4], [f64; 4]) {
     (there, back)
 }
 
-/// Sums of a series: of sines times hyperbolic cosines, and the other way round.
+/// Sums of a series: sine times hyperbolic cosine, and cosine times hyperbolic sine.
 fn sums(coefficients: [f64; 4], xi: f64, eta: f64) -> (f64, f64) {
     let mut sums = (0.0, 0.0);
     for (coefficient, j) in coefficients.into_iter().zip([2.0, 4.0, 6.0, 8.0]) {
@@ -92,7 +92,7 @@ fn sums(coefficients: [f64; 4], xi: f64, eta: f64) -> (f64, f64) {
     sums
 }
 
-/// Northing and easting of the rectified sphere.
+/// Northing and easting on the rectified sphere.
 fn transverse(lat_rad: f64, lon_rad: f64) -> (f64, f64) {
     let tangent = isometric(lat_rad).sinh();
     let (xi, eta) = match tangent.is_finite() {
@@ -129,7 +129,7 @@ impl Projection {
         }
     }
 
-    /// Transverse Mercator with this scale on its middle meridian.
+    /// Transverse Mercator with this scale on its central meridian.
     pub fn transverse_mercator(parameters: Parameters, scale: f64) -> Self {
         let n = FLATTENING / (2.0 - FLATTENING);
         let rectified_m = EQUATOR_M / (1.0 + n) * (1.0 + n * n / 4.0 + n.powi(4) / 64.0);
@@ -140,7 +140,7 @@ impl Projection {
         Self::of(kind, parameters)
     }
 
-    /// With one or two parallels of true scale, times a scale.
+    /// Lambert conformal conic with one or two standard parallels, times a scale.
     pub fn lambert(parameters: Parameters, parallels_deg: [f64; 2], scale: f64) -> Self {
         let [one, two] = parallels_deg.map(f64::to_radians);
         let constant = match (one - two).abs() < 1e-10 {
@@ -157,7 +157,8 @@ impl Projection {
         Self::of(kind, parameters)
     }
 
-    /// About the pole that the sign of this latitude says; it has true scale there, or at the pole itself times a scale.
+    /// Polar stereographic at the pole given by the sign of this latitude. The scale is true at that latitude; at the
+    /// pole itself it is `scale`.
     pub fn polar(parameters: Parameters, true_lat_deg: f64, scale: f64) -> Self {
         let e = eccentricity();
         let sign = 1_f64.copysign(true_lat_deg);
@@ -176,7 +177,7 @@ impl Projection {
         Self::of(kind, parameters)
     }
 
-    /// By a code of the EPSG registry: of systems that lie within a few metres of WGS84, in metres.
+    /// The projection of an EPSG code, for systems in metres within a few metres of WGS84.
     pub fn of_code(code: u16) -> Option<Self> {
         let utm = |zone: u16, is_south: bool| {
             let parameters = Parameters {
@@ -290,7 +291,7 @@ impl Projection {
         (lat_rad, lon_rad + self.lon_0_rad)
     }
 
-    /// The pole that is a place on the map, as the sign of its latitude, and where it lies.
+    /// The pole that is a point of the map, as the sign of its latitude, and its position.
     pub(super) fn pole_m(&self) -> Option<(f64, (f64, f64))> {
         match self.kind {
             Kind::Conic { constant, .. } if constant.abs() == 1.0 => {
@@ -305,7 +306,7 @@ impl Projection {
 mod tests {
     use super::*;
 
-    /// Values of PROJ 9.5.
+    /// Reference values of PROJ 9.5.
     #[test]
     fn places_are_those_of_proj() {
         for (code, lat_deg, lon_deg, east_m, north_m) in [

@@ -1,6 +1,6 @@
-//! Heights from files.
+//! Reads elevation files.
 //!
-//! | file | where it lies | unit |
+//! | file | georeference | unit |
 //! |---|---|---|
 //! | GeoTIFF, BigTIFF: strips or tiles, compressed as [`tiff_chunks`](super::tiff_chunks) decodes | its own tags, the sidecar, or a world file | its own keys, or the sidecar |
 //! | PNG, grey, 8 or 16 bits | the sidecar, or a world file | the sidecar |
@@ -9,12 +9,11 @@
 //! | ASCII grid (`.asc`) | its header, in degrees or in metres of a `.prj` file beside it | the sidecar |
 //! | DTED, levels 0 to 2 | its header | metres |
 //!
-//! The sidecar of `NAME.png` is `NAME.toml` beside it ([`Sidecar`]), or else `folder.toml`, which says no place. Nothing is guessed: what neither says is an error
-//! that names the key to write, and so is what both say and contradict each other in. Only latitudes and longitudes of
-//! WGS84 and what differs from it by a few metres at most are read; errors about others name the command that warps
-//! them. What GDAL writes beside a file counts: `NAME.tif.aux.xml` (no data, unit, scale, offset) and the mask `NAME.tif.msk`. Numbers
-//! that usually mean no data (−9999, −32 768 and others) are holes where nothing is declared, and are reported. Everything is checked before
-//! anything large is allocated.
+//! The sidecar of `NAME.png` is `NAME.toml` beside it ([`Sidecar`]), or else `folder.toml`, which states no position. The reader guesses nothing. If
+//! neither the file nor the sidecar states a value, the error names the key to write. A contradiction between the two is also an error. Only
+//! latitudes and longitudes of WGS84 and of systems within a few metres of it are read. Errors about other systems name the command that warps them.
+//! GDAL's files beside a file count: `NAME.tif.aux.xml` (no data, unit, scale, offset) and the mask `NAME.tif.msk`. Numbers that usually mean no data
+//! (−9999, −32 768 and others) are holes where nothing is declared, and are reported. All checks precede any large allocation.
 
 mod ascii;
 mod beside;
@@ -59,37 +58,37 @@ use warp::Held;
 #[derive(Debug)]
 pub struct HeightFile {
     pub grid: HeightGrid,
-    /// Whom to name for them, from the sidecar.
+    /// Credit for the data, from the sidecar.
     pub attribution: Option<String>,
     /// Vertical datum of the file's heights, if it or its sidecar states one. The grid's heights are above mean sea level.
     pub above: Option<VerticalDatum>,
-    /// Samples that were taken for no data though no file says so: they hold a number that is usual for that.
+    /// Samples treated as no data without a declaration, because their value usually means that.
     pub undeclared: u64,
-    /// Single wrong heights that were found, where they were looked for.
+    /// Single wrong heights found, if the search was requested.
     pub denoised: Option<Denoised>,
 }
 
-/// What a file says before its heights. What it does not say is `None`.
+/// Contents of a file's header. `None` for what it does not state.
 struct Header {
     columns: u32,
     rows: u32,
     georeference: Option<Georeference>,
-    /// Where its samples lie in a system that is not known yet.
+    /// Positions of the samples in a system that is not known yet.
     plain: Option<PlainGrid>,
-    /// How its samples, which lie in a projection, become those of the georeference.
+    /// Resampling from the projection of the samples to the georeference.
     warp: Option<Warp>,
-    /// The southern row is stored first.
+    /// Whether the southern row is stored first.
     is_south_first: bool,
     unit: Option<HeightUnit>,
     scale: Option<f64>,
     offset: Option<f64>,
-    /// What the heights stand above.
+    /// Vertical datum of the heights.
     above: Option<VerticalDatum>,
     missing: Missing,
 }
 
 impl Header {
-    /// Of a file that says its size and which samples are missing, and no more.
+    /// Header of a file that states only its size and its missing samples.
     fn of_size(columns: u32, rows: u32, missing: Missing) -> Self {
         Self {
             columns,
@@ -128,19 +127,19 @@ impl<R: BufRead + Seek> Decoder<R> {
     }
 }
 
-/// A file that has been looked at: its heights are still to be read.
+/// A file with a parsed header and unread heights.
 pub(super) struct HeightReader<R: BufRead + Seek> {
     context: FileContext,
     decoder: Decoder<R>,
     header: Header,
     said: Sidecar,
-    /// What heights stand above where neither the file nor its sidecar says it.
+    /// Vertical datum to use if neither the file nor its sidecar states one.
     assumed_above: Option<VerticalDatum>,
     mask: Option<SideMask>,
 }
 
 impl HeightReader<BufReader<File>> {
-    /// Looks at a file, at its sidecar if there is one, and at what GDAL writes beside it.
+    /// Opens a file, its sidecar if present, and GDAL's files beside it.
     pub(super) fn open(path: &Path) -> Result<Self, HeightFileError> {
         let context = FileContext::new(path);
         let file = files::open(path).map_err(|error| context.unreadable(error))?;
@@ -168,15 +167,15 @@ impl HeightReader<BufReader<File>> {
     }
 }
 
-/// Reads heights from a file, and from its sidecar if there is one. The contents say what it is, not the name.
+/// Reads heights from a file, with its sidecar if present. The contents determine the format, not the name.
 ///
 /// # Errors
-/// [`HeightFileError`]: which file, what is wrong, what was expected and what to do.
+/// [`HeightFileError`]: the file, the cause, what was expected and what to do.
 pub fn open_heights(path: &Path, limits: &GridLimits) -> Result<HeightFile, HeightFileError> {
     open_heights_denoised(path, limits, None)
 }
 
-/// The same of heights above a datum that neither the file nor its sidecar names. What they name counts.
+/// Reads heights above a datum that applies if neither the file nor its sidecar names one.
 ///
 /// # Errors
 /// As [`open_heights`].
@@ -190,7 +189,7 @@ pub fn open_heights_above(
     reader.whole(limits, None)
 }
 
-/// The same without single wrong heights: they are taken out before means and ranges are made of the heights.
+/// Reads heights without single wrong heights. These are removed before means and ranges are computed.
 ///
 /// # Errors
 /// As [`open_heights`].
@@ -202,8 +201,8 @@ pub fn open_heights_denoised(
     HeightReader::open(path)?.whole(limits, denoise)
 }
 
-/// The files that [`open_heights`] reads for a file of heights: itself, its sidecar, its world file with the text of its system, and
-/// what GDAL writes beside it, as far as they are there.
+/// The files that [`open_heights`] reads for an elevation file, as far as present. They are the file, its sidecar, its world file
+/// with the text of its system, and GDAL's files.
 pub fn height_files(path: &Path) -> Vec<PathBuf> {
     let beside = [
         sidecar_of(path),
@@ -216,7 +215,7 @@ pub fn height_files(path: &Path) -> Vec<PathBuf> {
     std::iter::once(path.to_owned()).chain(beside).collect()
 }
 
-/// Rejects what [`open_heights`] would reject by its header or its sidecar, without reading heights.
+/// Checks the header and the sidecar as [`open_heights`] does, without reading heights.
 ///
 /// # Errors
 /// As [`open_heights`].
@@ -229,9 +228,9 @@ pub fn check_heights(path: &Path, limits: &GridLimits) -> Result<(), HeightFileE
     reader.conversion().map(drop)
 }
 
-/// Rejects a file of elevations that is read as a plain picture of metres, for all that [`open_heights`] rejects in its header or in its
-/// sidecar, and for numbers that by its own words are not metres. Whoever reads it knows where it lies, so what it does not say of
-/// place and unit is no error, and with `is_placed` neither is another system of coordinates.
+/// Checks an elevation file that is read as a plain image in metres. It rejects what [`open_heights`] rejects in the header or sidecar,
+/// and numbers that the file declares in another unit. The caller knows the position, so a missing position or unit is no error. With
+/// `is_placed`, neither is another coordinate system.
 ///
 /// # Errors
 /// As [`open_heights`].
@@ -281,7 +280,7 @@ pub fn check_metres(path: &Path, is_placed: bool) -> Result<(), HeightFileError>
     ))
 }
 
-/// Reads heights from anything; `path` is its name in messages.
+/// Reads heights from any reader; `path` is its name in messages.
 ///
 /// # Errors
 /// As [`open_heights`].
@@ -305,7 +304,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
             "a GeoTIFF, a PNG, a NetCDF file, an ASCII grid, an .hgt file of SRTM or DTED";
         let said = sidecar.cloned().unwrap_or_default();
         let (decoder, header) = match magic.as_slice() {
-            // It has no marks: any number may come first.
+            // The format has no signature: any number may come first.
             _ if hgt::is_named(path) => {
                 let (file, header) = hgt::Hgt::plain(reader, &context)?;
                 (Decoder::Hgt(file), header)
@@ -384,7 +383,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
         })
     }
 
-    /// Whether a picture says nowhere yet where it lies, so that a world file counts.
+    /// Whether an image has no georeference yet, so that a world file counts.
     fn lacks_place(&self) -> bool {
         matches!(self.decoder, Decoder::Tiff(_) | Decoder::Png(_))
             && self.header.georeference.is_none()
@@ -392,7 +391,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
             && self.said.georeference.is_none()
     }
 
-    /// Samples of a row, and rows: of those that are handed over.
+    /// Columns and rows of the heights after resampling.
     pub fn size(&self) -> (u32, u32) {
         match &self.header.warp {
             Some(warp) => (warp.place.columns, warp.place.rows),
@@ -400,17 +399,17 @@ impl<R: BufRead + Seek> HeightReader<R> {
         }
     }
 
-    /// Where the samples lie.
+    /// Positions of the samples.
     pub(super) fn georeference(&self) -> Result<Georeference, HeightFileError> {
         georeference(&self.header, &self.said, &self.context)
     }
 
-    /// Names a vertical datum for heights of which neither the file nor its sidecar names one.
+    /// Sets the vertical datum to use if neither the file nor its sidecar names one.
     pub(super) fn assume_above(&mut self, above: Option<VerticalDatum>) {
         self.assumed_above = above;
     }
 
-    /// What the heights of the file stand above.
+    /// Vertical datum of the file's heights.
     fn above(&self) -> Result<Option<VerticalDatum>, HeightFileError> {
         match (self.header.above, self.said.above) {
             (Some(own), Some(other)) if own != other => Err(self.context.rejected(
@@ -426,18 +425,18 @@ impl<R: BufRead + Seek> HeightReader<R> {
         }
     }
 
-    /// Whom to name for the heights.
+    /// Credit for the heights.
     pub fn attribution(&self) -> Option<String> {
         self.said.attribution.clone()
     }
 
-    /// Makes errors about the grid that the heights make.
+    /// Returns a function that wraps grid errors with the file.
     pub(super) fn rejection(&self) -> impl Fn(GridError) -> HeightFileError + use<R> {
         let context = self.context.clone();
         move |error| context.grid(error)
     }
 
-    /// Peak memory of reading, bytes, beside what becomes of the heights.
+    /// Peak memory of reading, bytes, without the destination of the heights.
     pub fn working_bytes(&self) -> u64 {
         let mask = self.mask.as_ref();
         let of_mask = mask.map_or(0, |mask| mask.working_bytes(self.decoder.chunk_rows()));
@@ -454,13 +453,13 @@ impl<R: BufRead + Seek> HeightReader<R> {
             }
     }
 
-    /// How stored numbers become metres.
+    /// Conversion from stored numbers to metres.
     pub(super) fn conversion(&self) -> Result<Conversion, HeightFileError> {
         Conversion::of(&self.header, &self.said, &self.context)
     }
 
-    /// Reads all heights and hands each over once, in stretches of a row: row (0 is the northern), first column, metres. What has no data
-    /// is no finite number. Stops at the first error of `put`.
+    /// Reads all heights and passes each once to `put`, in stretches of a row: row (0 is the northern), first column, metres. Samples
+    /// without data are not finite. Stops at the first error of `put`.
     pub fn read<E: From<HeightFileError>>(
         self,
         conversion: &Conversion,
@@ -494,7 +493,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
         }
     }
 
-    /// Hands over all heights as the file has them.
+    /// Passes on all heights as stored in the file.
     fn stored<E: From<HeightFileError>>(
         self,
         conversion: &Conversion,
@@ -505,7 +504,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
         let (mut mask, back) = (self.mask, self.decoder.chunk_rows());
         let mut put = |row: usize, column: usize, heights_m: &mut [f32]| {
             if let Some(mask) = &mut mask {
-                // Strips and tiles go back so far at most.
+                // Strips and tiles go back by at most this many rows.
                 mask.cut((row + 1).saturating_sub(back), row, column, heights_m)?;
             }
             match is_south_first {

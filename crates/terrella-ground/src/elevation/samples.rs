@@ -1,18 +1,18 @@
-//! Heights as they are stored, of a grid and of a tile.
+//! Stored heights of a grid or a tile.
 
-/// Heights of a grid or a tile as they are stored.
+/// Stored heights of a grid or a tile.
 #[derive(Clone, Debug, PartialEq)]
 pub enum HeightSamples {
     /// Metres.
     F32(Vec<f32>),
-    /// Metres are offset + scale × value. Samples that two tiles share must come to the same metres in both, to the last bit: best is
-    /// one scale and offset for all tiles of a source.
+    /// Metres are offset + scale × value. Samples shared by two tiles must decode to identical metres in both, to the last bit. One
+    /// scale and offset for all tiles of a source is best.
     I16 {
         /// Steps.
         values: Vec<i16>,
         /// Metres at step 0; finite.
         offset_m: f64,
-        /// Metres a step; finite and above 0.
+        /// Metres per step; finite and above 0.
         scale_m: f64,
     },
 }
@@ -25,7 +25,7 @@ impl HeightSamples {
         }
     }
 
-    /// Whether there are none.
+    /// Whether there are no samples.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -43,7 +43,7 @@ impl HeightSamples {
         }
     }
 
-    /// Bytes held.
+    /// Bytes in memory.
     pub(crate) fn bytes(&self) -> u64 {
         match self {
             Self::F32(values) => size_of_val(values.as_slice()) as u64,

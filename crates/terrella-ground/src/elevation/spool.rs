@@ -1,4 +1,4 @@
-//! Heights of a file that does not fit into memory: read once from its beginning into a scratch file, and looked at through windows.
+//! Reads an elevation file that exceeds the memory into a scratch file, in one pass, and gives access to it through windows.
 //!
 //! | file | what |
 //! |---|---|
@@ -6,9 +6,9 @@
 //! | `means.rs` | coarser levels, where there are holes to fill |
 //! | `window.rs` | a part of the file in memory |
 //!
-//! What a window answers at the finest spacing is what a [`HeightGrid`](super::HeightGrid) of the same file answers, to the last bit: the
-//! functions that average, fill and interpolate are the same. Holes are filled from all coarser levels, which takes a third as many
-//! samples more in scratch files, and are believed as far as data within `LEFT` samples allow: a window reads so much more on all sides.
+//! At the finest spacing a window returns the same heights as a [`HeightGrid`](super::HeightGrid) of the same file, to the last bit. Both
+//! use the same functions to average, fill and interpolate. Holes are filled from all coarser levels, which add a third to the samples in
+//! scratch files. Their confidence depends on data within `LEFT` samples, so a window reads that margin on all sides.
 
 mod means;
 mod store;
@@ -30,13 +30,13 @@ use std::path::{Path, PathBuf};
 use store::{Kept, Store};
 use window::Piece;
 
-/// Bytes that are held for each column while a file is spooled: rows about a pole with their holes, or rows and parts of means.
+/// Bytes held per column while a file is spooled: rows around a pole with their holes, or rows and parts of means.
 const COLUMN_BYTES: u64 = 160;
 
-/// Rows that are looked at together for holes.
+/// Rows that are searched together for holes.
 const BAND_ROWS: usize = 16;
 
-/// Why heights could not be spooled or looked at.
+/// Why heights could not be spooled or read back.
 #[derive(Debug, thiserror::Error)]
 pub enum SpoolError {
     /// The file cannot be read.
@@ -50,20 +50,20 @@ pub enum SpoolError {
     NoRoom {
         /// The scratch file.
         path: PathBuf,
-        /// What it would take.
+        /// Required bytes.
         needed_bytes: u64,
         free_bytes: u64,
     },
-    /// The host does not want it any more.
+    /// The host cancelled the work.
     #[error("stopped")]
     Stopped,
 }
 
-/// Where scratch files may be written, and whether to go on.
+/// Storage limits for scratch files, and progress and cancellation.
 pub trait SpoolHost: Sync {
-    /// Bytes that are free in a folder, where that is known.
+    /// Free bytes in a folder, if known.
     fn free_bytes(&self, folder: &Path) -> Option<u64>;
-    /// So many rows are going to be read.
+    /// This many rows will be read.
     fn begin(&self, rows: u64);
     /// A row has been read.
     fn step(&self);
@@ -75,7 +75,7 @@ pub trait SpoolHost: Sync {
 
 /// Scratch files of one spool.
 struct Scratch<'a> {
-    /// Path of the first; further ones add to its name.
+    /// Path of the first file; others append to its name.
     path: &'a Path,
     above: Option<VerticalDatum>,
     host: &'a dyn SpoolHost,
@@ -108,19 +108,19 @@ impl Scratch<'_> {
     }
 }
 
-/// A file that has been looked at.
+/// Requirements of a file.
 pub struct SpoolNeeds {
     /// Samples of a row, and rows.
     pub size: (u32, u32),
-    /// What the file covers.
+    /// The bounds that the file covers.
     pub bounds: Bounds,
-    /// Where its samples lie.
+    /// Placement of its samples.
     pub place: Placement,
-    /// Bytes held while it is spooled.
+    /// Peak memory of spooling, bytes.
     pub working_bytes: u64,
 }
 
-/// Looks at a file without reading its heights.
+/// Inspects a file without reading its heights.
 pub fn look(path: &Path) -> Result<SpoolNeeds, HeightFileError> {
     let reader = HeightReader::open(path)?;
     let georeference = reader.georeference()?;
@@ -135,13 +135,13 @@ pub fn look(path: &Path) -> Result<SpoolNeeds, HeightFileError> {
     })
 }
 
-/// The outermost row on the side of a pole that a file reaches.
+/// The outermost row towards a pole that a file reaches.
 #[derive(Clone, Copy, Debug)]
 struct Pole {
     height_m: f64,
-    /// How far that is believed, 0…255.
+    /// Confidence of that height, 0…255.
     believed: f64,
-    /// The row lies on the pole and has but one height.
+    /// Whether the row is at the pole and has only one height.
     is_row: bool,
 }
 
@@ -153,28 +153,28 @@ impl Pole {
     };
 }
 
-/// Heights of a file in a scratch file.
+/// Heights of a file, stored in a scratch file.
 #[derive(Debug)]
 pub struct HeightSpool {
     place: Placement,
     shape: LevelShape,
     store: Store,
-    /// All heights are whole metres, and so are those of holes.
+    /// Whether all heights are integer metres, filled holes included.
     is_whole: bool,
-    /// The next coarser level without holes, where the finest has some.
+    /// The next coarser level without holes, if the finest has some.
     means: Option<(LevelShape, Store)>,
     range: HeightRange,
     /// North first.
     poles: [Pole; 2],
-    /// The only height that there is, everywhere.
+    /// The height of every sample, if it is uniform.
     uniform_m: Option<f64>,
     attribution: Option<String>,
 }
 
-/// Why a reading ended before its end.
+/// Why reading ended early.
 enum Stop {
     Error(SpoolError),
-    /// Heights that are not whole metres.
+    /// Heights that are not integer metres.
     NotWhole,
 }
 
@@ -191,13 +191,13 @@ impl From<HeightFileError> for Stop {
 }
 
 impl HeightSpool {
-    /// Reads a file into scratch files whose names begin with the path `scratch`: 2 bytes a sample if all are whole metres, else 4, and
-    /// another 1.4 while the means of a file with holes are made. They are removed with this.
+    /// Reads a file into scratch files whose names begin with the path `scratch`. They take 2 bytes per sample if all heights are integer metres,
+    /// else 4. Another 1.4 are in use while the means of a file with holes are built. Dropping this value removes the files.
     ///
-    /// `above` is what the heights stand above where neither the file nor its sidecar says it.
+    /// `above` is the vertical datum if neither the file nor its sidecar states one.
     ///
     /// # Errors
-    /// As those of a file that is held; a folder without room, or a host that stops.
+    /// As for a file in memory; a folder without room; a host that cancels.
     pub fn read(
         path: &Path,
         scratch: &Path,
@@ -209,11 +209,11 @@ impl HeightSpool {
             above,
             host,
         };
-        // Most files are of whole metres; others show it soon.
+        // Most files hold integer metres; others show it early.
         match Self::spool(path, &scratch, Kept::Whole) {
             Err(Stop::NotWhole) => match Self::spool(path, &scratch, Kept::Float) {
                 Err(Stop::Error(error)) => Err(error),
-                // Floats take all.
+                // Float storage accepts every height.
                 Err(Stop::NotWhole) => Err(SpoolError::Stopped),
                 Ok(spool) => Ok(spool),
             },
@@ -242,7 +242,7 @@ impl HeightSpool {
                 scratch.go_on()?;
                 scratch.host.step();
             }
-            // A last column that repeats the first is not kept.
+            // A last column that repeats the first is dropped.
             let count = columns.saturating_sub(column).min(heights_m.len());
             let heights_m = &mut heights_m[..count];
             known.add(heights_m);
@@ -292,7 +292,7 @@ impl HeightSpool {
         Ok(spool)
     }
 
-    /// What stands at the pole beyond an outermost row.
+    /// The height at the pole beyond an outermost row.
     fn pole(&self, row: usize) -> Result<Pole, SpoolError> {
         let mut piece = Piece::filled(self, row..row + 1, 0, self.shape.columns)?;
         let is_row = self.place.lattice.is_pole(row);
@@ -309,7 +309,7 @@ impl HeightSpool {
         })
     }
 
-    /// Whether some sample lies so far from data that what lies beneath the file counts.
+    /// Whether a sample is so far from data that the source beneath the file counts.
     fn has_left_hole(&self, scratch: &Scratch<'_>) -> Result<bool, SpoolError> {
         if self.means.is_none() {
             return Ok(false);
@@ -335,12 +335,12 @@ impl HeightSpool {
         Ok(false)
     }
 
-    /// Where its heights lie.
+    /// Placement of its samples.
     pub fn placement(&self) -> &Placement {
         &self.place
     }
 
-    /// What the file covers.
+    /// The bounds that the file covers.
     pub fn bounds(&self) -> Bounds {
         self.place.bounds
     }
@@ -375,7 +375,7 @@ impl HeightSpool {
         self.range
     }
 
-    /// Step between heights that are held, metres; 0 where they are floating-point numbers.
+    /// Step between stored heights, metres; 0 for floating-point heights.
     pub fn quantum_m(&self) -> f64 {
         match self.is_whole {
             true => 1.0,
@@ -383,7 +383,7 @@ impl HeightSpool {
         }
     }
 
-    /// Whom to name for the heights.
+    /// Credit for the heights.
     pub fn attribution(&self) -> Option<&str> {
         self.attribution.as_deref()
     }

@@ -1,25 +1,25 @@
-//! Heights larger than memory: tiles of a source, streamed as they are looked at.
+//! Elevation data larger than memory: tiles of a source, streamed on demand.
 //!
 //! | file | what |
 //! |---|---|
-//! | `cache.rs` | which tiles are asked for, loaded, in memory and given up: a state machine without threads or a clock |
+//! | `cache.rs` | requests, loads, resident tiles and eviction: a state machine without threads or a clock |
 //! | `loader.rs` | threads that read tiles |
-//! | `viewer.rs` | where heights are looked at from |
+//! | `viewer.rs` | eye positions |
 //!
-//! What heights are while some tiles are there and others not, `tiles/pyramid.rs` says.
+//! `tiles/pyramid.rs` defines the heights while only some tiles are in memory.
 //!
 //! # A frame
 //!
-//! [`StreamedGround::take_over`] takes in tiles that have come: the only moment at which heights change. Who draws then takes
-//! [`StreamedGround::now`], which never changes, tells its surface by [`StreamedGround::changes_since`] where heights have changed since
-//! the last time, and reads. Reading notes what is not there: a tile is wanted because a height was asked for that would be finer
-//! with it. Asked for at a spacing of its own it is always wanted; asked for as the finest that there is, if its coarser
-//! stand-in's samples are seen larger than the tolerance of some [`HeightViewer`].
+//! [`StreamedGround::take_over`] accepts loaded tiles; heights change only at this moment. The renderer then takes
+//! [`StreamedGround::now`], an immutable snapshot. It passes the areas of [`StreamedGround::changes_since`] to its surface, and reads
+//! heights. Reading records missing tiles: a tile is wanted if a requested height would be finer with it. A request with an explicit
+//! spacing always wants the tile. A request for the finest data wants it only if the samples of its coarser stand-in appear larger than
+//! some [`HeightViewer`]'s tolerance.
 //!
 //! # Memory
 //!
-//! Up to the budget tiles stay. Then a tile is given up for one whose stand-in is seen half as large again as its own would be, so
-//! that two tiles never take turns; what finds no room that way stays coarse, and is counted.
+//! Tiles stay in memory up to the budget. After that a tile is evicted only for one whose stand-in appears half as large again as
+//! its own would. Two tiles therefore never alternate. Ground without room stays coarse and is counted.
 
 mod cache;
 mod loader;
@@ -45,14 +45,15 @@ use std::time::Duration;
 use terrella_files::loaders::{lock, try_lock};
 use viewer::EyePlace;
 
-/// Tiles that a frame takes over in an `Earth`, at most: each has its part of the ground made again.
+/// Maximum tiles that a frame accepts in an `Earth`: each causes its part of the ground to be
+/// rebuilt.
 pub const TILES_PER_FRAME: usize = 4;
 
-/// What a [`StreamedGround`] may use.
+/// Resource limits of a [`StreamedGround`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HeightStreamOptions {
-    /// Bytes of heights in memory, the coarsest level's among them. 256 MiB by default. While a frame goes over to new tiles, tables
-    /// of some hundred bytes a tile are held twice.
+    /// Bytes of heights in memory, including the coarsest level. 256 MiB by default. While a frame switches to new tiles, tables of
+    /// some hundred bytes per tile are held twice.
     pub memory_bytes: u64,
     /// Loader threads, 1…16; by default 1 on a machine of one or two cores, else 2.
     pub threads: usize,
@@ -68,28 +69,28 @@ impl Default for HeightStreamOptions {
     }
 }
 
-/// Why there is no ground of tiles.
+/// Why a ground of tiles could not be created.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StreamedGroundError {
-    /// A tile of the coarsest level, which must be there.
+    /// A tile of the coarsest level is missing or invalid; that level is required.
     #[error("the coarsest level of elevation data is incomplete: {0}")]
     Tile(#[from] HeightTileError),
-    /// The coarsest level as a whole.
+    /// The coarsest level as a whole is invalid.
     #[error("the coarsest level of heights {0}")]
     Coarsest(#[from] GridError),
 }
 
-/// Heights of a source of tiles, under any number of [`HeightGrid`](super::HeightGrid)s. Give it to `GroundOptions`.
+/// Heights of a tile source beneath any number of [`HeightGrid`](super::HeightGrid)s. Pass it to `GroundOptions`.
 ///
 /// As an [`Elevation`] it uses the tiles in memory at the time of the call; surfaces use [`Self::now`].
 pub struct StreamedGround {
     cache: Mutex<HeightCache>,
     loader: HeightLoader,
     viewers: Mutex<Viewers>,
-    /// The grids over the tiles of now, and its version.
+    /// The grids over the current tiles, and their version.
     now: RwLock<(u64, Arc<Ground>)>,
-    /// As [`Self::take_over`] left them.
+    /// Counters at the end of the last [`Self::take_over`].
     counters: Mutex<HeightTileStats>,
 }
 
@@ -97,14 +98,14 @@ pub struct StreamedGround {
 struct Viewers {
     all: Vec<Weak<HeightViewer>>,
     looks: Vec<EyePlace>,
-    /// As when it was planned last.
+    /// Eye positions of the last plan.
     planned: Vec<EyePlace>,
     rested: u32,
-    /// The loader has the plan, and nothing has happened since.
+    /// Whether the loader has the plan and nothing happened since.
     is_planned: bool,
 }
 
-/// Calls of [`StreamedGround::take_over`] after which requests are weighed again while tiles are loaded.
+/// Number of [`StreamedGround::take_over`] calls between plans while tiles are loading.
 const REST: u32 = 4;
 
 impl fmt::Debug for StreamedGround {
@@ -116,10 +117,10 @@ impl fmt::Debug for StreamedGround {
 }
 
 impl StreamedGround {
-    /// Reads the coarsest level, and starts the threads. `over` lies over the tiles as it would over other grids.
+    /// Reads the coarsest level, and starts the threads. `over` covers the tiles as it would cover other grids.
     ///
     /// # Errors
-    /// A tile of the coarsest level that cannot be read, and more of them than the budget allows.
+    /// An unreadable tile of the coarsest level, or a coarsest level beyond the budget.
     pub fn new(
         source: Arc<dyn HeightTileSource>,
         over: Ground,
@@ -136,15 +137,15 @@ impl StreamedGround {
         })
     }
 
-    /// Somebody who looks at the ground: what is asked for as the finest that there is comes as fine as some viewer sees.
+    /// Registers a viewer. Requests for the finest data load as fine as some viewer can see.
     pub fn viewer(&self) -> Arc<HeightViewer> {
         let viewer = Arc::new(HeightViewer::default());
         self.viewers().all.push(Arc::downgrade(&viewer));
         viewer
     }
 
-    /// Takes in at most so many of the tiles that have come, and says what shall be loaded. Call it between frames. Never waits: if
-    /// another thread is here, it does nothing.
+    /// Accepts at most `most` loaded tiles, and decides what to load next. Call it between frames. It never waits: if another
+    /// thread is inside, it does nothing.
     pub fn take_over(&self, most: usize) {
         let Some(mut cache) = try_lock(&self.cache) else {
             return;
@@ -172,7 +173,7 @@ impl StreamedGround {
         let has_changed = cache.version() != before;
         *rested += 1;
         let is_due = !*is_planned || cache.has_wants() || looks != planned;
-        // While the threads have enough to do, not in each frame.
+        // While the threads are busy, not in every frame.
         if is_due && (*rested >= REST || cache.queue().is_empty()) {
             cache.plan(looks);
             *is_planned = self.loader.hand_over(cache.queue());
@@ -189,18 +190,19 @@ impl StreamedGround {
         }
     }
 
-    /// The heights of now and their version: they do not change, whatever comes.
+    /// The current heights and their version: an immutable snapshot.
     pub fn now(&self) -> (u64, Arc<Ground>) {
         let now = self.now.read().unwrap_or_else(PoisonError::into_inner);
         (now.0, now.1.clone())
     }
 
-    /// Where heights have changed since a version; `None` where that is too long ago to know: everywhere, perhaps.
+    /// Areas where heights changed since a version; `None` if that is too long ago, which means possibly
+    /// everywhere.
     pub fn changes_since(&self, version: u64) -> Option<Vec<HeightChange>> {
         self.cache().changes_since(version)
     }
 
-    /// What the stream was doing at the end of the last [`Self::take_over`].
+    /// State of the stream at the end of the last [`Self::take_over`].
     pub fn counters(&self) -> HeightTileStats {
         *lock(&self.counters)
     }

@@ -1,11 +1,11 @@
-//! Slopes, and grids over one another.
+//! Slopes, and stacked grids.
 
 use super::*;
 use glam::DVec3;
 use proptest::prelude::*;
 use std::sync::Arc;
 
-/// Heights by a formula.
+/// Heights from a formula.
 struct Formula<F>(F, f64);
 
 impl<F: Fn(f64, f64) -> f64 + Send + Sync> Elevation for Formula<F> {
@@ -139,18 +139,19 @@ fn the_finest_lies_on_top_and_of_equal_ones_the_first() {
     let ground = Ground::new([second, first, coarse, globe]);
     assert_eq!(at(&ground, 20.0, 25.0), 400.0);
     assert_eq!(at(&ground, 20.0, 15.0), 300.0);
-    // Flat inside, but not where one goes over into the next.
+    // Flat inside, but not where one grid blends into the next.
     let finest = |lat: f64, lon: f64| ground.finest_spacing_rad(lat.to_radians(), lon.to_radians());
     assert!((finest(20.0, 25.0).to_degrees() - 20.0 / 16.0).abs() < 0.05);
     assert!((finest(20.0, 20.5).to_degrees() - 0.25 * 10_f64.to_radians().cos()).abs() < 0.01);
-    // In the middle of a patch only its own heights count.
+    // In the middle of a grid only its own heights count.
     let inner = ground.range_up_to_m(&degrees(19.0, 20.0, 12.5, 1.0), 0.0);
     assert!((inner.low_m - 300.0).abs() < 1e-5 && (inner.high_m - 300.0).abs() < 1e-5);
     let border = ground.range_m(&degrees(19.0, 20.0, 9.5, 1.0));
     assert!((border.low_m - 200.0).abs() < 1e-5 && (border.high_m - 300.0).abs() < 1e-5);
 }
 
-/// A border between grids that differ by 1600 m: the transition is as wide as requested, and no steeper than that asks for.
+/// A border between grids that differ by 1600 m: the transition has the documented width, and no more than the resulting
+/// slope.
 #[test]
 fn borders_go_over_within_a_sixteenth() {
     let inner = grid(&degrees(10.0, 20.0, 10.0, 10.0), (320, 320), |_| 1600.0);
@@ -169,7 +170,7 @@ fn borders_go_over_within_a_sixteenth() {
     );
 }
 
-/// Wild ground: the whole Earth, three local grids over one another, one across the date line, one at a pole, one with
+/// Extreme ground: the whole Earth, three stacked local grids, one across the date line, one at a pole, one with
 /// holes, one of a single sample.
 fn wild() -> Ground {
     let noise = |seed: u32| {
@@ -212,7 +213,7 @@ proptest! {
         let (lat, lon) = (lat.to_radians(), lon.to_radians());
         let here = ground.height_m(lat, lon, spacing);
         prop_assert!(here.is_finite());
-        // On the ground: near a pole the same step is a larger turn.
+        // A step on the ground: near a pole it is a larger change of longitude.
         let tiny = 1e-10;
         let there = ground.height_m(lat + tiny * turn.sin(), lon + tiny * turn.cos(), spacing);
         prop_assert!((here - there).abs() < 0.01, "{here} and {there}");
@@ -273,7 +274,8 @@ fn fine_data_are_found_where_they_reach_and_nowhere_else() {
     assert!(around(14.0, 21.0, 2.1).is_finite() && around(14.0, 21.0, 1.9).is_infinite());
     assert!(around(11.0, 384.0, 2.1).is_finite() && around(11.0, 384.0, 1.9).is_infinite());
     assert!(around(89.0, -150.0, 80.0).is_finite());
-    // Where all heights are the same only the way to the border is relief, as wide as a sixteenth of the grid.
+    // Where all heights are the same, only the transition to the border is relief, as wide as a sixteenth of
+    // the grid.
     let flat = rough(|_| 5.0);
     let inside = Bounds::around(11_f64.to_radians(), 21_f64.to_radians(), 0.004);
     assert!((flat.finest_spacing_in(&inside).to_degrees() - 2.0 / 16.0).abs() < 0.01);
@@ -319,7 +321,7 @@ fn the_sea_s_surface_covers_its_floor_and_not_a_local_grid() {
     assert_eq!(wet.height_m(0.3, sea, 0.0), 0.0);
     assert_eq!(wet.height_m(0.3, land, 0.0), bare.height_m(0.3, land, 0.0));
     assert_eq!(wet.height_m(0.0, 0.0, 0.0), -430.0);
-    // Alone, too.
+    // The same without other grids.
     let alone = Ground::new([globe.clone()]).with_sea_surface(None);
     assert_eq!(alone.height_m(0.3, sea, 0.0), 0.0);
     assert!(alone.height_m(0.3, land, 0.0) > 800.0);
@@ -333,7 +335,7 @@ fn dry_land_below_the_sea_stays_below_it_in_grids_of_the_whole_earth() {
     let deep = vec![-400.0; 720 * 360];
     let limits = GridLimits::default();
     let globe = HeightGrid::new(&globe.expect("sound"), deep, &limits).expect("sound");
-    // Land north of 40° N but for 10° of the Atlantic.
+    // Land north of 40° N except for 10° of the Atlantic.
     let water = (0..720 * 360).map(|n| match (n / 720, n % 720) {
         (..100, ..300 | 320..) => 0,
         _ => 255,

@@ -1,15 +1,14 @@
-//! Samples of the strips and tiles of a TIFF, however they are compressed: the one place that decodes them, for elevation and for
-//! imagery.
+//! Decodes strips and tiles of a TIFF for all supported compressions. Elevation and imagery share this code.
 //!
 //! | file | what |
 //! |---|---|
-//! | `alone.rs` | a strip or tile as a file of its own |
+//! | `alone.rs` | a strip or tile as a separate file |
 //! | `pictures.rs` | JPEG and WebP |
 //! | `lerc.rs` | LERC |
 //! | `lzw.rs` | LZW |
 //!
-//! Deflate and PackBits are left to the `tiff` crate, and so are predictors. Sources: TIFF 6.0; its Technical Note 2 for JPEG; the
-//! registered numbers of ZSTD and WebP (libtiff's `tiff.h`), and of LERC with its tag `LercParameters` (libtiff's `tif_lerc.c`).
+//! The `tiff` crate handles Deflate, PackBits and predictors. Sources: TIFF 6.0, with Technical Note 2 for JPEG. ZSTD and WebP
+//! have registered numbers (libtiff's `tiff.h`). LERC has the tag `LercParameters` (libtiff's `tif_lerc.c`).
 
 pub(in crate::elevation) mod alone;
 mod lerc;
@@ -26,10 +25,10 @@ use tiff::TiffError;
 use tiff::decoder::{ChunkType, Decoder, DecodingResult};
 use tiff::tags::{ByteOrder, PlanarConfiguration, Tag};
 
-/// Version of LERC, and how its data are compressed again.
+/// Version of LERC, and the compression applied to its data.
 const LERC_PARAMETERS: Tag = Tag::Unknown(50_674);
 
-/// Samples that the data of one strip or tile may be longer than, bytes: tables and headers of the smallest.
+/// Allowance for tables and headers in the data of the smallest strips or tiles, bytes.
 const MOST_EXTRA_BYTES: usize = 64 << 10;
 
 /// TIFF's `PhotometricInterpretation`.
@@ -37,19 +36,19 @@ const WHITE_IS_ZERO: u16 = 0;
 const RGB: u16 = 2;
 const YCBCR: u16 = 6;
 
-/// TIFF's `Predictor` of none.
+/// TIFF's `Predictor` value for none.
 const NO_PREDICTOR: u16 = 1;
 
 /// Why strips or tiles cannot be decoded.
 #[derive(Debug, thiserror::Error)]
 pub enum TiffChunkError {
-    /// The file cannot be read or is no good TIFF.
+    /// The file cannot be read or is not a valid TIFF.
     #[error(transparent)]
     Tiff(#[from] TiffError),
     /// A strip or tile is damaged.
     #[error("{0}")]
     Damaged(String),
-    /// What is not decoded, by its name, as the end of a sentence that begins with the file.
+    /// An unsupported feature, as the end of a sentence that begins with the file.
     #[error("{0}")]
     Unsupported(String),
 }
@@ -63,10 +62,10 @@ impl From<LercError> for TiffChunkError {
     }
 }
 
-/// How strips and tiles are compressed.
+/// Compression of strips and tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Codec {
-    /// As the `tiff` crate decodes it.
+    /// Decoded by the `tiff` crate.
     OfCrate,
     Lzw,
     Zstd,
@@ -75,7 +74,7 @@ enum Codec {
     Lerc(After),
 }
 
-/// How LERC data are compressed again.
+/// Compression applied to LERC data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum After {
     Nothing,
@@ -84,7 +83,7 @@ enum After {
 }
 
 impl Codec {
-    /// Of TIFF's `Compression`; else what it is called.
+    /// The codec of TIFF's `Compression`; otherwise the name of the compression.
     fn of(compression: u16) -> Result<Self, String> {
         Ok(match compression {
             1 | 8 | 32_773 | 32_946 => Self::OfCrate,
@@ -109,7 +108,7 @@ impl Codec {
     }
 }
 
-/// Decompresses ZSTD data of at most so many bytes.
+/// Decompresses ZSTD data of at most `most` bytes.
 pub(in crate::elevation) fn zstd_bytes(
     data: &[u8],
     most: usize,
@@ -118,7 +117,7 @@ pub(in crate::elevation) fn zstd_bytes(
         .map_err(|error| TiffChunkError::Damaged(format!("ZSTD: {error}")))
 }
 
-/// Decompresses deflated data of at most so many bytes.
+/// Decompresses deflated data of at most `most` bytes.
 fn deflated_bytes(data: &[u8], most: usize) -> Result<Vec<u8>, TiffChunkError> {
     let mut bytes = Vec::new();
     let stream = flate2::read::ZlibDecoder::new(data);
@@ -138,36 +137,36 @@ fn deflated_bytes(data: &[u8], most: usize) -> Result<Vec<u8>, TiffChunkError> {
 #[derive(Clone, Debug)]
 pub struct TiffChunks {
     codec: Codec,
-    /// Of a whole strip or tile.
+    /// Format of a whole strip or tile.
     form: Alone,
-    /// Strips or tiles of one plane.
+    /// Strips or tiles per plane.
     per_plane: u32,
     photometric: u16,
     jpeg_tables: Option<Vec<u8>>,
-    /// The last of two or four samples is alpha.
+    /// Whether the last of two or four samples is alpha.
     has_alpha: bool,
-    /// The `tiff` crate reads strips and tiles.
+    /// Whether the `tiff` crate reads strips and tiles.
     is_of_crate: bool,
-    /// Each sample of a pixel has strips or tiles of its own.
+    /// Whether each sample of a pixel has separate strips or tiles.
     is_planar: bool,
-    /// Samples of a pixel that the `tiff` crate decodes: of colours those without a meaning, such as infrared, are not.
+    /// Samples per pixel that the `tiff` crate decodes. It omits colours without a meaning, such as infrared.
     given: u16,
-    /// Samples of a pixel that are handed over.
+    /// Samples per pixel that are passed on.
     kept: u16,
-    /// Offset and length of each, where the `tiff` crate does not read them.
+    /// Offset and length of each, if the `tiff` crate does not read them.
     places: Vec<(u64, u64)>,
 }
 
-/// Whether samples of so many bits share bytes.
+/// Whether samples of this many bits share bytes.
 fn share_bytes(bits: u16) -> bool {
     matches!(bits, 1..=7 | 9..=15)
 }
 
 impl TiffChunks {
-    /// Looks at the current image of a file.
+    /// Inspects the current image of a file.
     ///
     /// # Errors
-    /// [`TiffChunkError`], where its strips or tiles are compressed in a way that is not decoded, or have samples of odd bits.
+    /// [`TiffChunkError`] for an unsupported compression or an unsupported number of bits.
     pub fn of<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, TiffChunkError> {
         let mut number = |tag, usual: u16| -> Result<u16, TiffError> {
             let found = decoder.find_tag_unsigned_vec::<u16>(tag)?;
@@ -241,7 +240,7 @@ impl TiffChunks {
             predictor,
             is_big_endian: decoder.byte_order() == ByteOrder::BigEndian,
         };
-        // The crate leaves the others out of what it decodes.
+        // The crate omits the others from its output.
         let given = match photometric == RGB && !is_planar {
             true => of_pixel.saturating_sub(extra.len() as u16) + u16::from(has_alpha),
             false => form.samples,
@@ -251,7 +250,7 @@ impl TiffChunks {
             _ => None,
         };
         let jpeg_tables = jpeg_tables.map(|tables| tables.into_u8_vec()).transpose()?;
-        // The crate unpacks none but these, and hands over those below 8 packed.
+        // The crate unpacks only these, and returns those below 8 bits packed.
         let is_of_crate = codec == Codec::OfCrate && matches!(bits, 1 | 2 | 4 | 8 | 16 | 32 | 64);
         let places = match is_of_crate {
             true => Vec::new(),
@@ -274,67 +273,69 @@ impl TiffChunks {
         })
     }
 
-    /// Whether colours are RGB though the file says YCbCr.
+    /// Whether colours are RGB although the file declares YCbCr.
     pub fn gives_rgb(&self) -> bool {
         self.photometric == YCBCR
     }
 
-    /// Hands over the first samples of a pixel alone, of those that lie side by side.
+    /// Passes on only the first samples of a pixel, if they are interleaved.
     pub fn keep_first(&mut self, samples: u16) {
         if !self.is_planar {
             self.kept = self.kept.min(samples);
         }
     }
 
-    /// Samples of a pixel that are handed over, or of one plane.
+    /// Samples per pixel that are passed on, or per plane.
     pub fn kept(&self) -> u16 {
         self.kept
     }
 
-    /// Whether each sample of a pixel has strips or tiles of its own, plane after plane.
+    /// Whether each sample of a pixel has separate strips or tiles, plane after plane.
     pub fn is_planar(&self) -> bool {
         self.is_planar
     }
 
-    /// Strips or tiles of one plane.
+    /// Strips or tiles per plane.
     pub fn per_plane(&self) -> u32 {
         self.per_plane
     }
 
-    /// Samples of a stored pixel, or of one plane.
+    /// Samples per stored pixel, or per plane.
     pub fn samples(&self) -> u16 {
         self.form.samples
     }
 
-    /// Bits of a stored sample: those of fewer than 8 are handed over in bytes, those of 9 to 15 in 16 bits.
+    /// Bits per stored sample. Samples of fewer than 8 bits are passed on as bytes, those of 9 to 15 as 16
+    /// bits.
     pub fn bits(&self) -> u16 {
         self.form.bits
     }
 
-    /// Bytes that decoding holds beside the samples of a strip or tile of so many bytes, and its data.
+    /// Extra memory of decoding, bytes, besides the data and the samples of a strip or tile of
+    /// `chunk_bytes`.
     pub fn working_bytes(&self, chunk_bytes: u64) -> u64 {
         let places = 16 * self.places.len() as u64;
         places.saturating_add(match self.codec {
             Codec::OfCrate => 0,
-            // What was decompressed, and a copy that is a file.
+            // The decompressed data, and a copy as a file.
             Codec::Lzw | Codec::Zstd => chunk_bytes.saturating_mul(2),
-            // A copy of its data, and coefficients or lines of the decoder.
+            // A copy of the data, and coefficients or lines of the decoder.
             Codec::Jpeg | Codec::WebP => chunk_bytes.saturating_mul(3),
             Codec::Lerc(_) => chunk_bytes.saturating_mul(3),
         })
     }
 
-    /// The samples of a strip or tile, as far as it lies in the image: pixel by pixel, of this machine's byte order. Samples of fewer
-    /// than 8 bits are bytes, those of 9 to 15 have 16 bits.
+    /// The samples of a strip or tile inside the image: pixel by pixel, in native byte order. Samples of fewer than 8 bits are bytes,
+    /// those of 9 to 15 have 16 bits.
     ///
     /// # Errors
-    /// [`TiffChunkError`], before anything longer than a strip or tile is allocated.
+    /// [`TiffChunkError`], before any allocation larger than a strip or tile.
     pub fn read<R: Read + Seek>(
         &self,
         decoder: &mut Decoder<R>,
         index: u32,
     ) -> Result<DecodingResult, TiffChunkError> {
-        // The crate counts the strips or tiles of further planes on below the image.
+        // The crate places strips or tiles of further planes below the image.
         let of_plane = index % self.per_plane.max(1);
         let (columns, rows) = decoder.chunk_data_dimensions(of_plane);
         let whole = match self.is_of_crate {
@@ -361,14 +362,14 @@ impl TiffChunks {
         }
     }
 
-    /// All samples of a strip or tile that the `tiff` crate does not read, as far as it lies in the image.
+    /// All samples, inside the image, of a strip or tile that the `tiff` crate does not read.
     fn read_alone<R: Read + Seek>(
         &self,
         decoder: &mut Decoder<R>,
         index: u32,
         (columns, rows): (u32, u32),
     ) -> Result<DecodingResult, TiffChunkError> {
-        // Strips are as wide as the image, and the last may be lower than the others; tiles are whole.
+        // Strips are as wide as the image, and the last may have fewer rows; tiles are complete.
         let form = Alone {
             rows: match decoder.get_chunk_type() {
                 ChunkType::Strip => rows,
@@ -400,7 +401,7 @@ impl TiffChunks {
         let damaged = |cause: &str| TiffChunkError::Damaged(cause.to_string());
         let place = self.places.get(index as usize);
         let (offset, length) = *place.ok_or_else(|| damaged("too few strips or tiles"))?;
-        // Compressed data are at most a little longer than samples.
+        // Compressed data are at most slightly longer than the samples.
         let most = form.bytes().saturating_mul(2) + MOST_EXTRA_BYTES;
         if length > most as u64 {
             return Err(damaged("a strip or tile of more data than samples"));
@@ -476,7 +477,8 @@ impl TiffChunks {
         })
     }
 
-    /// Samples of LERC data: `masked` where it has nothing, and `opaque` where its mask stands for alpha that is not stored.
+    /// Samples of LERC data. Missing pixels get the value `masked`; `opaque` is the alpha if the mask replaces a stored
+    /// alpha.
     fn raster<T: Sample>(
         &self,
         data: &[u8],
@@ -505,7 +507,7 @@ impl TiffChunks {
         Ok(all)
     }
 
-    /// Turns whole numbers that count from white to black round, as the `tiff` crate does.
+    /// Inverts integers that count from white to black, as the `tiff` crate does.
     fn counted_from_black(&self, samples: DecodingResult) -> DecodingResult {
         match samples {
             samples if self.photometric != WHITE_IS_ZERO => samples,
@@ -515,7 +517,8 @@ impl TiffChunks {
         }
     }
 
-    /// Samples that share bytes, whose rows begin with a byte each: those of fewer than 8 bits as bytes.
+    /// Unpacks samples that share bytes; each row starts at a byte. Samples of fewer than 8 bits become
+    /// bytes.
     fn unpacked(&self, packed: &[u8], row_samples: usize, rows: u32) -> DecodingResult {
         let bits = usize::from(self.form.bits);
         let row_bytes = (row_samples * bits).div_ceil(8).max(1);
@@ -525,7 +528,7 @@ impl TiffChunks {
             (0..row_samples).map(move |n| {
                 let bit = n * bits;
                 let byte = |at: usize| u32::from(row.get(bit / 8 + at).copied().unwrap_or(0));
-                // At most 15 bits behind 7 others.
+                // At most 15 bits after 7 others.
                 let window = byte(0) << 16 | byte(1) << 8 | byte(2);
                 window >> (24 - bits - bit % 8) & mask
             })

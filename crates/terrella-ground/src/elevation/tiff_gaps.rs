@@ -1,7 +1,7 @@
-//! Pixels of a TIFF that hold nothing: strips and tiles that the file leaves out, and those that an internal mask takes away.
+//! Pixels of a TIFF without data: omitted strips and tiles, and pixels excluded by an internal mask.
 //!
-//! Sources: TIFF 6.0, sections 7 (`NewSubfileType`) and 8 (`PhotometricInterpretation` 4); for strips and tiles that are left out, the
-//! option `SPARSE_OK` of GDAL's driver, which writes offset 0 and length 0 for them.
+//! Sources: TIFF 6.0, sections 7 (`NewSubfileType`) and 8 (`PhotometricInterpretation` 4). Omitted strips and tiles follow the option `SPARSE_OK` of
+//! GDAL's driver, which writes offset 0 and length 0 for them.
 
 use super::tiff_chunks::{alone::Alone, zstd_bytes};
 use std::collections::BTreeMap;
@@ -14,22 +14,22 @@ use tiff::tags::{CompressionMethod, IfdPointer, Tag};
 const REDUCED: u64 = 1;
 const MASK: u64 = 4;
 
-/// Most directories of a file that are looked at.
+/// Maximum number of directories that are searched.
 const MOST_DIRECTORIES: usize = 4096;
 
-/// Largest strip or tile of a mask, bytes.
+/// Maximum size of a mask's strip or tile, bytes.
 const CHUNK_BYTES: usize = 256 << 20;
 
 /// Why the pixels without data could not be determined.
 #[derive(Debug, thiserror::Error)]
 pub enum TiffGapError {
-    /// The file cannot be read or is no good TIFF.
+    /// The file cannot be read or is not a valid TIFF.
     #[error(transparent)]
     Tiff(#[from] TiffError),
     /// The file is damaged.
     #[error("{0}")]
     Damaged(&'static str),
-    /// A mask that is not understood.
+    /// An unsupported mask.
     #[error("{0}")]
     Mask(String),
 }
@@ -37,7 +37,7 @@ pub enum TiffGapError {
 /// The strips or tiles of the current image that the file omits; empty if it has all.
 ///
 /// # Errors
-/// [`TiffGapError`] where one is said to begin at the file's header.
+/// [`TiffGapError`] if one has the offset of the file's header.
 pub fn absent_chunks<R: Read + Seek>(
     decoder: &mut Decoder<R>,
 ) -> Result<Option<Vec<bool>>, TiffGapError> {
@@ -71,7 +71,7 @@ fn places(
     }
 }
 
-/// The mask of the first image of a file: 0 where a pixel holds nothing.
+/// The mask of a file's first image: 0 where a pixel has no data.
 pub struct TiffMask {
     columns: usize,
     chunk_columns: usize,
@@ -82,15 +82,15 @@ pub struct TiffMask {
     compression: u16,
     predictor: u16,
     places: Vec<(u64, u64)>,
-    /// Strips or tiles that have been decoded.
+    /// Decoded strips or tiles.
     held: BTreeMap<usize, Vec<u8>>,
 }
 
 impl TiffMask {
-    /// Finds the mask of the first image, whose size is given, among all directories. Masks of smaller copies are skipped.
+    /// Finds the mask of the first image, whose size is given, in all directories. Masks of smaller copies are skipped.
     ///
     /// # Errors
-    /// [`TiffGapError`], also for masks of another size and those that are compressed in unknown ways.
+    /// [`TiffGapError`], also for a mask of another size or with an unsupported compression.
     pub fn find<R: Read + Seek>(
         decoder: &mut Decoder<R>,
         size: (u32, u32),
@@ -167,7 +167,7 @@ impl TiffMask {
             chunk_rows,
             rows,
             bits,
-            // Numbers beyond 16 bits are no methods that anything decodes.
+            // A number beyond 16 bits is not a supported method.
             compression: u16::try_from(compression).unwrap_or(u16::MAX),
             predictor: u16::try_from(predictor).unwrap_or(u16::MAX),
             places,
@@ -175,7 +175,7 @@ impl TiffMask {
         })
     }
 
-    /// Most bytes that are held while an image in strips or tiles of so many rows is read from its first row to its last.
+    /// Peak memory while an image in strips or tiles of `image_chunk_rows` rows is read from first row to last, bytes.
     pub fn working_bytes(&self, image_chunk_rows: usize) -> u64 {
         let across = self.columns.div_ceil(self.chunk_columns) as u64;
         let down = (image_chunk_rows.div_ceil(self.chunk_rows) + 1) as u64;
@@ -183,17 +183,17 @@ impl TiffMask {
         (across * down + 2) * chunk + 16 * self.places.len() as u64
     }
 
-    /// Drops what lies above a row.
+    /// Drops decoded parts above a row.
     pub fn forget_above(&mut self, row: usize) {
         let across = self.columns.div_ceil(self.chunk_columns);
         let first = row / self.chunk_rows * across;
         self.held = self.held.split_off(&first);
     }
 
-    /// Says of the pixels of a row from a column on whether they hold something.
+    /// Whether the pixels of a row, from a column on, have data.
     ///
     /// # Errors
-    /// [`TiffGapError`] where the mask cannot be read or decoded.
+    /// [`TiffGapError`] if the mask cannot be read or decoded.
     pub fn row<R: Read + Seek>(
         &mut self,
         decoder: &mut Decoder<R>,
@@ -227,7 +227,7 @@ impl TiffMask {
         (self.chunk_columns * self.bits).div_ceil(8)
     }
 
-    /// A strip or tile; what the file leaves out masks everything.
+    /// Decodes a strip or tile; one that the file omits masks everything.
     fn decode<R: Read + Seek>(
         &self,
         decoder: &mut Decoder<R>,
@@ -243,7 +243,7 @@ impl TiffMask {
             true => self.chunk_rows.min(self.rows - number * self.chunk_rows),
             false => self.chunk_rows,
         };
-        // Compressed data are at most a little longer.
+        // Compressed data are at most slightly longer.
         if length > 2 * whole as u64 + 4096 {
             return Err(TiffGapError::Damaged("a strip or tile of a mask too long"));
         }
@@ -285,10 +285,10 @@ impl TiffMask {
     }
 }
 
-/// All directories behind the first, and those that the first names as its own.
+/// All directories after the first, and the subdirectories of the first.
 fn directories<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Vec<IfdPointer>, TiffGapError> {
     let own = decoder.find_tag(Tag::SubIfd)?;
-    // Of a kind that is no directory, they are not looked at: no reader would follow them.
+    // A tag of a type that is not a directory is skipped; no reader would follow it.
     let mut found = own.map_or_else(Vec::new, |own| own.into_ifd_vec().unwrap_or_default());
     let mut seen: Vec<u64> = Vec::new();
     let mut next = decoder.ifd_pointer();

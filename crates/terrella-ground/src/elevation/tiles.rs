@@ -1,10 +1,9 @@
-//! What a source of height tiles is: heights of the Earth at several levels, each cut into tiles of equal degrees.
+//! Interface of a height tile source: elevation data of the Earth at several levels, each divided into tiles of equal degrees.
 //!
-//! This is all that streaming knows of a pack, and all that a pack knows of streaming. Level 0 is the finest. A level has
-//! twice as many columns of tiles as rows, and half as many as the next finer one; every tile has `side` × `side` samples of
-//! its own. Sample (i, j) of a level with W = columns · side samples round the Earth, counted eastwards and southwards over the
-//! whole level, stands for the cell about longitude −180° + (i + ½)·360°/W and latitude 90° − (j + ½)·360°/W. A coarser level's
-//! sample is the mean of the finer ones in its cell where those exist.
+//! Streaming and packs share only this interface. Level 0 is the finest. A level has twice as many tile columns as rows, and half as many as the next
+//! finer level. Every tile has `side` × `side` samples without its border. Take a level with W = columns · side samples around the Earth, counted
+//! eastwards and southwards over the whole level. Sample (i, j) represents the cell around longitude −180° + (i + ½)·360°/W and latitude 90° − (j +
+//! ½)·360°/W. A coarser level's sample is the mean of the finer ones in its cell where those exist.
 
 mod error;
 mod held;
@@ -21,28 +20,28 @@ pub(super) use wants::{NearEye, Wants};
 use super::HeightRange;
 use super::samples::HeightSamples;
 
-/// A source of height tiles: a pack on disk, say.
+/// A source of height tiles, such as a pack on disk.
 ///
 /// # Rules
 ///
-/// - All tiles of the coarsest level exist. Of the others any may be absent: deep levels may cover one region only. A tile exists only
-///   where the tile of the next coarser level over the same ground does.
-/// - Borders repeat what the neighbours of the same level hold, round the date line too, so that bilinear interpolation agrees on
-///   both sides of an edge. Beside a tile that is absent, and beyond the poles, they may hold any finite height of the Earth.
-/// - Answers never change while the source lives.
+/// - All tiles of the coarsest level exist. Any other tile may be absent: deep levels may cover one region only. A tile exists only if the tile of
+///   the next coarser level over the same ground exists.
+/// - Borders repeat the neighbours' samples of the same level, across the date line too. Bilinear interpolation therefore agrees on both sides of an
+///   edge. Beside an absent tile, and beyond the poles, they may hold any finite height of the Earth.
+/// - Results never change during the source's lifetime.
 pub trait HeightTileSource: Send + Sync {
-    /// How the Earth is cut.
+    /// Division of the Earth into tiles.
     fn layout(&self) -> HeightTileLayout;
 
-    /// Lowest and highest height of a tile, its border included, and of everything finer beneath it; `None` where the tile is
-    /// absent. Known without reading the tile, and answered at once: frames ask it. May be too wide, never too narrow.
+    /// Lowest and highest height of a tile with its border, and of all finer tiles beneath it. `None` for an absent tile.
+    /// Must return at once, without reading the tile, because frames call it. May be too wide, never too narrow.
     fn range_m(&self, key: HeightTileKey) -> Option<HeightRange>;
 
-    /// Reads a tile: (side + 2 · border)² finite heights, rows from the north, each from the west, the border included. Called from
-    /// loader threads; may take long. `cancelled` is asked between its steps and says when nobody wants the tile any more.
+    /// Reads a tile: (side + 2 · border)² finite heights, rows from the north, each from the west, border included. Loader threads
+    /// call this; it may take long. Call `cancelled` between steps; it returns true once the tile is no longer wanted.
     ///
     /// # Errors
-    /// [`HeightTileError`]; the heights are then drawn coarser.
+    /// [`HeightTileError`]; the terrain is then drawn coarser there.
     fn read(
         &self,
         key: HeightTileKey,

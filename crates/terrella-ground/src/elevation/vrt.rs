@@ -1,8 +1,8 @@
-//! GDAL's virtual rasters (`.vrt`): files of tiles that lie side by side, as `gdalbuildvrt` lists them.
+//! GDAL's virtual rasters (`.vrt`): adjacent tile files, as `gdalbuildvrt` lists them.
 //!
-//! Read are bands of `SimpleSource` and `ComplexSource`: file names, bands, rectangles, no-data values, scale and offset (GDAL's VRT
-//! documentation, <https://gdal.org/drivers/raster/vrt.html>). What else would change samples is rejected by its name: warped, derived and
-//! pansharpened rasters, look-up tables, filters. So is a source that is another `.vrt`, that lies in an archive or on a server.
+//! The reader supports bands of `SimpleSource` and `ComplexSource`: file names, bands, rectangles, no-data values, scale and offset. The format is in
+//! GDAL's VRT documentation, <https://gdal.org/drivers/raster/vrt.html>. Other elements that change samples are rejected by name: warped, derived and
+//! pansharpened rasters, look-up tables, filters. A source may not be another `.vrt`, or be in an archive or on a server.
 
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
@@ -11,19 +11,19 @@ use std::path::{Component, Path, PathBuf};
 use terrella_files as files;
 use terrella_files::{excerpt, path_complaint, printable};
 
-/// Largest file, bytes: the 26 000 tiles of a global model of 30 m take three quarters of it.
+/// Maximum file size, bytes: the 26 000 tiles of a global 30 m model need three quarters of it.
 pub const MAX_VRT_BYTES: u64 = 24 << 20;
 
-/// Most sources of a band.
+/// Maximum sources of a band.
 pub const MAX_VRT_SOURCES: usize = 65_536;
 
-/// Most bands.
+/// Maximum number of bands.
 pub const MAX_VRT_BANDS: usize = 64;
 
-/// Elements within elements.
+/// Maximum nesting of elements.
 const MAX_DEPTH: usize = 32;
 
-/// Longest text of an element that is kept, bytes: descriptions of coordinate systems are the longest.
+/// Maximum length of a stored element text, bytes. Coordinate systems have the longest.
 const MAX_TEXT_BYTES: usize = 64 << 10;
 
 /// Why a virtual raster cannot be read.
@@ -31,14 +31,14 @@ const MAX_TEXT_BYTES: usize = 64 << 10;
 pub enum VrtError {
     #[error(transparent)]
     Unreadable(#[from] io::Error),
-    /// What is wrong with its XML.
+    /// Damaged XML.
     #[error("line {line}: {cause}")]
     Damaged {
         /// Line, from 1.
         line: usize,
         cause: String,
     },
-    /// What is not read, by its name; `gdal_translate` converts the whole.
+    /// An unsupported feature, by name; `gdal_translate` converts the whole raster.
     #[error("line {line}: {cause}")]
     Unsupported {
         /// Line, from 1.
@@ -50,24 +50,24 @@ pub enum VrtError {
 /// A virtual raster.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Vrt {
-    /// Pixels of a row, and rows.
+    /// Pixels per row, and rows.
     pub size: (u32, u32),
     /// Its coordinate system: well-known text, or a name such as `EPSG:4326`.
     pub system: Option<String>,
-    /// West edge and width of a pixel, north edge and height of a pixel (negative where the northern row comes first), in units of its
-    /// coordinate system.
+    /// Georeference in units of the coordinate system. It has the west edge and pixel width, and the north edge and pixel height (see
+    /// [`VrtGrid::row`]).
     pub grid: Option<VrtGrid>,
     pub bands: Vec<VrtBand>,
 }
 
-/// Where a virtual raster lies.
+/// Georeference of a virtual raster.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VrtGrid {
     pub west: f64,
     pub north: f64,
-    /// Of a pixel.
+    /// Pixel width.
     pub column: f64,
-    /// Of a pixel: positive where the northern row comes first.
+    /// Pixel height: positive where the northern row comes first.
     pub row: f64,
 }
 
@@ -75,7 +75,7 @@ pub struct VrtGrid {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct VrtBand {
     pub no_data: Option<f64>,
-    /// What its pixels mean is offset + scale × stored.
+    /// Pixel values mean offset + scale × stored.
     pub scale: Option<f64>,
     pub offset: Option<f64>,
     /// The files, the lowest first.
@@ -88,11 +88,11 @@ pub struct VrtSource {
     pub path: PathBuf,
     /// Its band, from 1; `None` for its mask or alpha.
     pub band: Option<u32>,
-    /// Size of the whole file, where it is said.
+    /// Size of the whole file, if stated.
     pub size: Option<(u32, u32)>,
     /// Pixels of the file: first column, first row, columns, rows; by default all.
     pub from: Option<[f64; 4]>,
-    /// The pixels of the raster that they become; by default all.
+    /// The corresponding pixels of the raster; by default all.
     pub to: Option<[f64; 4]>,
     pub no_data: Option<f64>,
     /// Pixels become offset + scale × pixel.
@@ -103,7 +103,7 @@ pub struct VrtSource {
 }
 
 impl VrtSource {
-    /// Whether all of the file is used.
+    /// Whether the whole file is used.
     pub fn is_whole(&self) -> bool {
         match (self.from, self.size) {
             (None, _) => true,
@@ -114,23 +114,23 @@ impl VrtSource {
         }
     }
 
-    /// Whether pixels are taken as they are stored.
+    /// Whether pixels are used as stored.
     pub fn is_plain(&self) -> bool {
         (self.scale, self.offset) == (1.0, 0.0)
     }
 }
 
-/// Whether a path is named like a virtual raster.
+/// Whether a path has the extension of a virtual raster.
 pub fn is_vrt(path: &Path) -> bool {
     path.extension()
         .is_some_and(|ending| ending.eq_ignore_ascii_case("vrt"))
 }
 
 impl Vrt {
-    /// Reads a file; sources in it are beside it or absolute.
+    /// Reads a file; its sources are beside it or absolute.
     ///
     /// # Errors
-    /// [`VrtError`] with the line, before more than [`MAX_VRT_BYTES`] are held.
+    /// [`VrtError`] with the line. At most [`MAX_VRT_BYTES`] are held.
     pub fn open(path: &Path) -> Result<Self, VrtError> {
         let text = files::read_text(path, MAX_VRT_BYTES)?;
         let text = text.ok_or_else(|| VrtError::Unsupported {
@@ -140,7 +140,7 @@ impl Vrt {
         Self::read(&text, path.parent().unwrap_or(Path::new("")))
     }
 
-    /// Reads a text whose relative names are of files in `folder`.
+    /// Reads a text whose relative file names refer to `folder`.
     ///
     /// # Errors
     /// As [`Self::open`].
@@ -159,19 +159,19 @@ impl Vrt {
     }
 }
 
-/// An element that has begun.
+/// An open element.
 struct Begun {
     name: String,
     text: String,
-    /// What is in it is not looked at.
+    /// Whether its contents are skipped.
     is_skipped: bool,
 }
 
-/// How far a text has been read.
+/// State of parsing.
 struct Walk<'t> {
     text: &'t str,
     folder: &'t Path,
-    /// Where the current element begins, bytes, and its line, from 1.
+    /// Start of the current element, byte, and its line, from 1.
     at: usize,
     line: usize,
     open: Vec<Begun>,
@@ -349,7 +349,7 @@ impl Walk<'_> {
                 false
             }
             (["VRTDataset", "VRTRasterBand"], other) => {
-                // What ends so makes samples in another way.
+                // Elements with these names produce samples in another way.
                 if other.ends_with("Source") || other == "PixelFunctionType" {
                     return Err(self.unsupported(format!("has a <{}>", excerpt(other))));
                 }
@@ -368,7 +368,7 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// An element of a source begins; whether what is in it counts for nothing.
+    /// Starts an element of a source. Returns whether its contents are ignored.
     fn begin_of_source(&mut self, name: &str, start: &BytesStart<'_>) -> Result<bool, VrtError> {
         match name {
             "SourceProperties" => {
@@ -387,7 +387,7 @@ impl Walk<'_> {
                 }
             }
             "SourceFilename" | "SourceBand" | "NODATA" | "ScaleRatio" | "ScaleOffset" => {}
-            // The masks of files count anyway.
+            // Masks of files always apply.
             "UseMaskBand" | "RectType" => return Ok(true),
             other => {
                 let cause = format!("has a source with <{}>", excerpt(other));
@@ -398,7 +398,7 @@ impl Walk<'_> {
     }
 
     fn end(&mut self) -> Result<(), VrtError> {
-        // Names have been compared by the parser.
+        // The parser has compared the names.
         let Some(Begun {
             name,
             text,
@@ -464,7 +464,7 @@ impl Walk<'_> {
     }
 
     fn band(&mut self) -> &mut VrtBand {
-        // Elements of bands end within one.
+        // Band elements end only inside a band.
         if self.vrt.bands.is_empty() {
             self.vrt.bands.push(VrtBand::default());
         }
@@ -497,7 +497,7 @@ impl Walk<'_> {
         }
     }
 
-    /// The file that a source names.
+    /// The path of a source's file name.
     fn path(&self, text: &str) -> Result<PathBuf, VrtError> {
         let path = Path::new(text);
         if text.is_empty() {
@@ -525,7 +525,8 @@ impl Walk<'_> {
             );
             return Err(self.unsupported(cause));
         }
-        // GDAL takes other relative names from where it is run: here they lie beside the file, too.
+        // GDAL resolves other relative names from its working directory; here they are also
+        // relative to the file.
         Ok(self.folder.join(path))
     }
 }

@@ -1,23 +1,23 @@
-//! A grid of a map projection made into one of latitudes and longitudes, which is as fine, along parallels where it is nearest to the
-//! equator.
+//! Resampling of a projected grid to latitudes and longitudes of equal resolution. Along parallels the resolution is that nearest to
+//! the equator.
 
 use super::projection::Projection;
 use super::{Georeference, MAX_SIDE, Registration};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Most samples of a projected grid.
+/// Maximum samples of a projected grid.
 const MOST_SAMPLES: u64 = 1 << 28;
 
-/// So many samples may be made of each.
+/// Maximum number of output samples per input sample.
 const MOST_MADE: f64 = 32.0;
 
-/// Places of the border that are looked at, on each side.
+/// Border points that are checked on each side.
 const BORDER: u32 = 256;
 
-/// A grid of a projection: its first sample, and steps from column to column and from row to row, metres.
+/// A projected grid: its first sample, and steps from column to column and from row to row, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProjectedGrid {
-    /// Of the metres.
+    /// Projection of the coordinates.
     pub projection: Projection,
     /// Samples of a row.
     pub columns: u32,
@@ -27,19 +27,19 @@ pub struct ProjectedGrid {
     pub east_m: f64,
     /// Northing of the first sample.
     pub north_m: f64,
-    /// From column to column, to the east, positive.
+    /// Step from column to column, to the east, positive.
     pub column_m: f64,
-    /// From row to row, to the south; negative where the southern row comes first.
+    /// Step from row to row, to the south; negative where the southern row comes first.
     pub row_m: f64,
-    /// How far the samples reach beyond the outermost, samples.
+    /// Extent of the data beyond the outermost samples, samples.
     pub margin: f64,
 }
 
-/// What is made of a projected grid.
+/// Resampling of a projected grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Warp {
     grid: ProjectedGrid,
-    /// The grid that is made; its samples are posts.
+    /// The target grid; its samples are posts.
     pub place: Georeference,
 }
 
@@ -61,7 +61,7 @@ impl ProjectedGrid {
         )
     }
 
-    /// The least angle between neighbours, in the middle and at the corners.
+    /// The smallest angle between neighbours, in the middle and at the corners.
     fn finest_rad(&self) -> f64 {
         let (last_row, last_column) = (f64::from(self.rows - 1), f64::from(self.columns - 1));
         let mut finest = f64::INFINITY;
@@ -128,10 +128,10 @@ impl ProjectedGrid {
 }
 
 impl Warp {
-    /// For a grid of samples.
+    /// The resampling of a grid.
     ///
     /// # Errors
-    /// Why none is made: of too many or too few samples, or where the projection has no places.
+    /// Why resampling is impossible: too many or too few samples, or no places in the projection.
     pub fn of(grid: ProjectedGrid) -> Result<Self, String> {
         let samples = u64::from(grid.columns) * u64::from(grid.rows);
         if samples > MOST_SAMPLES {
@@ -164,7 +164,7 @@ impl Warp {
                 "would make {columns} x {rows} samples of {samples}"
             ));
         }
-        // Both in range. A last column that repeats the first is not made.
+        // Both are in range. A last column that repeats the first is omitted.
         let (rows, gaps) = (rows as u32, columns as u32 - 1);
         let place = Georeference {
             columns: if is_round { gaps } else { gaps + 1 },
@@ -188,17 +188,17 @@ impl Warp {
         (self.grid.columns, self.grid.rows)
     }
 
-    /// Latitude of a row that is made, radians.
+    /// Latitude of a target row, radians.
     pub fn latitude_rad(&self, row: u32) -> f64 {
         self.place.north_rad - f64::from(row) * self.place.lat_step_rad
     }
 
-    /// Longitude of a column that is made, radians.
+    /// Longitude of a target column, radians.
     pub fn longitude_rad(&self, column: u32) -> f64 {
         self.place.west_rad + f64::from(column) * self.place.lon_step_rad
     }
 
-    /// Row and column of a place in the projected grid, from its first sample to its last; `None` outside of it.
+    /// Row and column of a place in the projected grid, from its first sample to its last; `None` outside it.
     pub fn locate(&self, lat_rad: f64, lon_rad: f64) -> Option<(f64, f64)> {
         let (row, column) = self.grid.locate(lat_rad, lon_rad);
         let within = |at: f64, count: u32| at.clamp(0.0, f64::from(count - 1));

@@ -1,18 +1,19 @@
-//! Coordinate systems in words (well-known text): WKT 1 of GDAL and ESRI (OGC 01-009), and WKT 2 (OGC 18-010r7).
+//! Coordinate systems as text (well-known text): WKT 1 of GDAL and ESRI (OGC 01-009), and WKT 2 (OGC 18-010r7).
 
 use super::geo_tags::is_near_wgs84;
 use super::projection::{Parameters, Projection};
 
-/// Longest text that is read, bytes.
+/// Maximum text length, bytes.
 pub const MAX_WKT_BYTES: u64 = 64 << 10;
 
-/// Deepest nesting that is read.
+/// Maximum nesting.
 const MAX_DEPTH: usize = 16;
 
-/// Longest foreign name in a message, characters.
+/// Maximum length of a foreign name in a message, characters.
 const NAME_CHARS: usize = 60;
 
-/// Datums whose degrees lie within a few metres of WGS84, in small letters without marks: where no code is given.
+/// Datums whose degrees are within a few metres of WGS84, for texts without a code; in lower case without
+/// punctuation.
 const DATUMS: [&str; 9] = [
     "wgs1984",
     "wgs84",
@@ -25,7 +26,7 @@ const DATUMS: [&str; 9] = [
     "detrs1989",
 ];
 
-/// Names of Web Mercator, likewise.
+/// Names of Web Mercator, in the same form.
 const WEB_MERCATOR: [&str; 4] = [
     "wgs84pseudomercator",
     "wgs1984webmercatorauxiliarysphere",
@@ -33,24 +34,24 @@ const WEB_MERCATOR: [&str; 4] = [
     "googlemapsglobalmercator",
 ];
 
-/// Codes of Web Mercator: EPSG's, and those that were used before there was one.
+/// Codes of Web Mercator: EPSG's, and those used before it existed.
 const WEB_MERCATOR_CODES: [u32; 5] = [3857, 3785, 900_913, 102_100, 102_113];
 
-/// A system that a text names.
+/// A coordinate system stated in a text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TextSystem {
-    /// Degrees of WGS84 or nearly that.
+    /// Degrees of WGS84 or of a system close to it.
     Degrees,
     /// Metres of Web Mercator.
     WebMercator,
-    /// Metres of a projection, of a datum within a few metres of WGS84.
+    /// Metres of a projection with a datum within a few metres of WGS84.
     Projected(Projection),
 }
 
-/// The system that a text names.
+/// Parses the system of a text.
 ///
 /// # Errors
-/// What is wrong with it: no text of that kind, or a system that is not taken.
+/// The cause: not a text of this kind, or an unsupported system.
 pub fn system_of(text: &str) -> Result<TextSystem, String> {
     if is_old_degrees(text) {
         return Ok(TextSystem::Degrees);
@@ -83,7 +84,8 @@ pub fn system_of(text: &str) -> Result<TextSystem, String> {
     }
 }
 
-/// Whether a text of ArcInfo's old kind, a key and a value a line, names degrees of WGS84 or NAD83.
+/// Whether a text in the old ArcInfo format, with a key and a value per line, states degrees of
+/// WGS84 or NAD83.
 fn is_old_degrees(text: &str) -> bool {
     let value = |key: &str| {
         let mut lines = text.lines().map(str::split_whitespace);
@@ -103,7 +105,7 @@ fn is_old_degrees(text: &str) -> bool {
         && is("units", &["dd", "degrees", "decimaldegrees"])
 }
 
-/// A word with what stands in its brackets.
+/// A keyword with the contents of its brackets.
 #[derive(Default)]
 struct Node {
     word: String,
@@ -123,7 +125,7 @@ impl Node {
             .find(|node| words.contains(&node.word.as_str()))
     }
 
-    /// Its own code in a registry.
+    /// The node's own registry code.
     fn code(&self) -> Option<u32> {
         let code = self.child(&["AUTHORITY", "ID"])?;
         code.values.get(1)?.parse().ok()
@@ -133,7 +135,7 @@ impl Node {
         self.values.get(at)?.parse().ok()
     }
 
-    /// The projection that it spells out, or names by its code, of a system in metres near WGS84.
+    /// The projection, stated by parameters or by code, of a system in metres near WGS84.
     fn projection(&self) -> Option<Projection> {
         if let Some(code) = self.code() {
             return Projection::of_code(u16::try_from(code).ok()?);
@@ -185,7 +187,7 @@ impl Node {
         }
     }
 
-    /// Rejects other degrees than those of WGS84 or its like.
+    /// Rejects degrees of a system that is not close to WGS84.
     fn check_geographic(&self) -> Result<(), String> {
         let datum = self.child(&["DATUM", "GEODETICDATUM", "TRF", "ENSEMBLE"]);
         let is_known = match self.code() {
@@ -215,7 +217,7 @@ impl Node {
     }
 }
 
-/// Small letters and digits alone.
+/// Keeps lower-case letters and digits only.
 fn plain(name: &str) -> String {
     let kept = name.chars().filter(char::is_ascii_alphanumeric);
     kept.map(|c| c.to_ascii_lowercase()).collect()
@@ -238,7 +240,7 @@ impl Reader<'_> {
         rest.is_some()
     }
 
-    /// Characters up to one of these marks.
+    /// Characters up to one of these delimiters.
     fn until(&mut self, marks: &[char]) -> String {
         let end = self.rest.find(marks).unwrap_or(self.rest.len());
         let (text, rest) = self.rest.split_at(end);
@@ -246,7 +248,7 @@ impl Reader<'_> {
         text.trim().to_string()
     }
 
-    /// A word in brackets; `None` of anything else.
+    /// A keyword with brackets; `None` otherwise.
     fn node(&mut self, depth: usize) -> Option<Node> {
         self.skip_blanks();
         let word = self.until(&['[', '(', ']', ')', ',', '"']);
@@ -286,7 +288,7 @@ impl Reader<'_> {
 mod tests {
     use super::*;
 
-    /// As GDAL 3.8 and ArcGIS write them.
+    /// Written by GDAL 3.8 and ArcGIS.
     #[test]
     fn degrees_of_wgs84_and_web_mercator_are_known() {
         let esri = "GEOGCS[\"GCS_WGS_1984\",DATUM[\"D_WGS_1984\",SPHEROID[\"WGS_1984\",6378137.0,298.257223563]],\

@@ -1,19 +1,19 @@
-//! World files: six numbers beside a raster that say where its samples lie, in the unit of a system that they do not name (Esri).
+//! World files: six numbers beside a raster that give its georeference, in the unit of an unnamed system (Esri).
 
 use std::path::{Path, PathBuf};
 
-/// Largest world file that is read, bytes.
+/// Maximum size of a world file, bytes.
 pub const WORLD_FILE_BYTES: u64 = 4096;
 
-/// Where the samples of a raster lie.
+/// Georeference of a raster.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldFile {
-    /// Middle of the first sample of the first row.
+    /// Centre of the first sample of the first row.
     pub x: f64,
     pub y: f64,
-    /// From column to column, to the east.
+    /// Step from column to column, to the east.
     pub column: f64,
-    /// From row to row, to the south: negative where the southern row comes first.
+    /// Step from row to row, to the south; negative where the southern row comes first.
     pub row: f64,
 }
 
@@ -21,7 +21,7 @@ impl WorldFile {
     /// Reads a world file.
     ///
     /// # Errors
-    /// What is wrong with it, as the end of a sentence that begins with the file.
+    /// The cause, as the end of a sentence that begins with the file.
     pub fn of_text(text: &str) -> Result<Self, String> {
         let words: Vec<_> = text.split_whitespace().collect();
         let numbers = words.iter().map_while(|word| word.parse::<f64>().ok());
@@ -40,8 +40,8 @@ impl WorldFile {
         })
     }
 
-    /// What the world file of a raster may be called: two letters of the raster's ending and w, the ending and w, or wld; also in
-    /// capitals.
+    /// Possible names of a raster's world file. The extension is two letters of the raster's plus w, the raster's plus w, or wld;
+    /// also in capitals.
     pub fn names(raster: &Path) -> Vec<PathBuf> {
         let ending = raster.extension().unwrap_or_default().to_string_lossy();
         let mut letters = ending.chars();
@@ -54,7 +54,7 @@ impl WorldFile {
         all.map(|name| raster.with_extension(name)).collect()
     }
 
-    /// The world file of a raster, if there is one.
+    /// The world file of a raster, if it exists.
     pub fn beside(raster: &Path) -> Option<PathBuf> {
         Self::names(raster).into_iter().find(|file| file.is_file())
     }

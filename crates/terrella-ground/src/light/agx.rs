@@ -1,5 +1,4 @@
-//! AgX: Sobotka's curve in Rec. 2020, as three.js and Filament have it, with Wrensch's polynomial for its contrast (mean square error
-//! 3.7e-6).
+//! AgX: Sobotka's curve in Rec. 2020, as in three.js and Filament. Its contrast is Wrensch's polynomial (mean square error 3.7e-6).
 
 use glam::{DMat3, DVec3};
 
@@ -9,7 +8,7 @@ const REC2020_FROM_REC709: [[f64; 3]; 3] = [
     [0.3293, 0.9195, 0.0880],
     [0.0433, 0.0113, 0.8956],
 ];
-/// Draws colours together before the curve, in Rec. 2020.
+/// Pulls colours together before the curve, in Rec. 2020.
 const TOGETHER: [[f64; 3]; 3] = [
     [
         0.856_627_153_315_983,
@@ -27,9 +26,9 @@ const TOGETHER: [[f64; 3]; 3] = [
         0.811_302_368_396_859,
     ],
 ];
-/// What the curve is applied to, from light in Rec. 709.
+/// Input of the curve, from light in Rec. 709.
 pub const INSET: DMat3 = DMat3::from_cols_array_2d(&product(&TOGETHER, &REC2020_FROM_REC709));
-/// Moves them apart after it.
+/// Pushes colours apart after the curve.
 pub const OUTSET: DMat3 = DMat3::from_cols_array_2d(&[
     [
         1.127_100_581_814_436_8,
@@ -56,12 +55,12 @@ pub const REC709_FROM_REC2020: DMat3 = DMat3::from_cols_array_2d(&[
 /// Binary logarithms of light at the ends of the curve: 10 steps below and 6.5 above a middle grey of 0.18.
 pub const LEAST_LOG: f64 = -12.473_93;
 pub const MOST_LOG: f64 = 4.026_069;
-/// The contrast of 0…1, from the constant term on.
+/// Polynomial of the contrast over 0…1, starting with the constant term.
 pub const CONTRAST: [f64; 7] = [-0.002_32, 0.1191, 0.4298, -6.868, 31.96, -40.14, 15.5];
-/// The curve's values are display values; their power is light.
+/// The curve returns display values; this power converts them to light.
 pub const DISPLAY_POWER: f64 = 2.2;
 
-/// Of two matrices by columns.
+/// Product of two column-major matrices.
 const fn product(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     let mut out = [[0.0; 3]; 3];
     let mut place = 0;
@@ -87,7 +86,8 @@ pub fn agx(light: DVec3) -> DVec3 {
     REC709_FROM_REC2020 * shown
 }
 
-/// Light that is shown as this display light, or of a colour that is never shown, as one near it.
+/// Light that this curve shows as this display light. For a colour that it cannot show, light of a
+/// similar one.
 pub fn light_by_agx(shown: DVec3) -> DVec3 {
     let shown = (REC709_FROM_REC2020.inverse() * shown).max(DVec3::ZERO);
     let curved = OUTSET.inverse() * shown.powf(1.0 / DISPLAY_POWER);
@@ -100,7 +100,7 @@ pub fn light_by_agx(shown: DVec3) -> DVec3 {
                 false => most = middle,
             }
         }
-        // Nothing is shown of the darkest light, and no light is as good.
+        // The darkest light shows as black; for black, zero light is returned.
         match least > 1e-3 {
             true => (LEAST_LOG + least * (MOST_LOG - LEAST_LOG)).exp2(),
             false => 0.0,

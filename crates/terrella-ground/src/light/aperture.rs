@@ -1,74 +1,76 @@
 //! The diffraction of a lens's aperture: the spikes about the Sun.
 //!
 //! The Fraunhofer pattern of an aperture is the Fourier transform of its autocorrelation, the optical transfer function (Goodman, Introduction
-//! to Fourier Optics, 6.3). Far from the core only small lags count, so that these are transformed alone, and finely: the result is the pattern
-//! averaged over a few widths of its speckle, out to a thousand of them. Lengths on the sensor are in λN, wavelength times f-number, and
-//! lags in diameters of the aperture, the circle through its corners.
+//! to Fourier Optics, 6.3). Far from the core only small lags matter, so only these are transformed, at fine steps. The result is the pattern
+//! averaged over a few widths of its speckle, out to a thousand of them. Lengths on the sensor are in λN, wavelength times f-number. Lags are
+//! in diameters of the aperture: the circle through its corners.
 
 use std::f64::consts::{PI, TAU};
 use std::ops::RangeInclusive;
 
-/// Pixels of the pattern along a side, and λN along a pixel.
+/// Pixels along a side of the pattern, and pixel size in λN.
 const SIDE: usize = 512;
 const PIXEL: f64 = 4.0;
-/// Standard deviation of the window on lags: it averages the pattern over 1.4 pixels.
+/// Standard deviation of the window on lags. It averages the pattern over 1.4 pixels.
 const WINDOW: f64 = 1.0 / 36.0;
-/// Within this many pixels the pattern is the core's, blurred by that: there it is taken to go on as at this distance.
+/// Within this many pixels the pattern is the blurred core. It is replaced by the values at this distance.
 const CORE_PX: f64 = 6.0;
-/// The Sun's light is taken from so many places on its disc, at this part of its radius.
+/// Number of sampled points on the Sun's disc, and their distance from its centre in radii.
 pub const SUN_PLACES: u32 = 6;
 pub const SUN_PLACE: f64 = 0.7;
-/// Diameter of a speck of dust, in diameters of the aperture.
+/// Diameter of a dust speck, in diameters of the aperture.
 const SPECK: f64 = 1.0 / 100.0;
-/// Step of lags. The aperture's edges are blurred by as much, standard deviation, so that at a distance of ρ of the pattern's sides spikes fade
-/// by exp(−2π²ρ²) and none is folded back from beyond.
+/// Step of lags. It is also the standard deviation of the blur of the aperture's edges. At a distance of ρ sides of the pattern, spikes
+/// therefore fade by exp(−2π²ρ²). None is aliased from outside.
 const LAG: f64 = 1.0 / (SIDE as f64 * PIXEL);
 
 /// The aperture of a lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aperture {
-    /// Blades, which make a regular polygon.
+    /// Number of blades; they form a regular polygon.
     pub blades: u32,
     /// Focal length over diameter.
     pub f_number: f64,
-    /// Part of it that specks of dust cover. What they diffract is a corona about the source.
+    /// Fraction of the aperture covered by dust specks. They diffract a corona around the source.
     pub dust: f64,
 }
 
-/// Its diffraction pattern.
+/// Diffraction pattern of an aperture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DiffractionPattern {
     aperture: Aperture,
-    /// Mip levels: energy in a unit of area times the square of the distance from the core, which no unit of length changes.
+    /// Mip levels: energy per unit area times the squared distance from the core. This is independent of the unit of length.
     levels: Vec<Vec<f32>>,
-    /// The mean of the first level about the core, by pixels from it.
+    /// Mean of the first level around the core, by distance in pixels.
     profile: Vec<f64>,
 }
 
 impl Aperture {
-    /// Of [`Self::blades`].
+    /// Range of [`Self::blades`].
     pub const BLADES: RangeInclusive<i64> = 3..=18;
-    /// Of [`Self::f_number`].
+    /// Range of [`Self::f_number`].
     pub const F_NUMBERS: RangeInclusive<f64> = 1.0..=64.0;
-    /// Of [`Self::dust`]: more would be a veil that no lens has.
+    /// Range of [`Self::dust`]: more would be an unrealistic veil.
     pub const DUSTS: RangeInclusive<f64> = 0.0..=0.005;
     /// Wavelengths of red, green and blue, nanometres.
     pub const WAVELENGTHS_NM: [f64; 3] = [610.0, 550.0, 455.0];
-    /// Height of the sensor, of which the picture's is the image, millimetres: that of 35 mm film.
+    /// Height of the sensor, which corresponds to the height of the image, millimetres: that of 35
+    /// mm film.
     pub const SENSOR_HEIGHT_MM: f64 = 24.0;
 
-    /// The part of the pattern's side that a pixel of a picture this high is, in green light.
+    /// Size of an image pixel for this image height, as a fraction of the pattern's side in green
+    /// light.
     pub fn pattern_sides_a_pixel(&self, height_px: f64) -> f64 {
         let side_mm = Self::WAVELENGTHS_NM[1] * 1e-6 * self.f_number * PIXEL * SIDE as f64;
         Self::SENSOR_HEIGHT_MM / (height_px * side_mm)
     }
 
-    /// The optical transfer function at a lag: the part that the aperture has in common with itself, moved so far.
+    /// The optical transfer function at a lag: the overlap of the aperture with its shifted copy.
     fn transfer(&self, x: f64, y: f64) -> f64 {
         let count = f64::from(self.blades);
         let turn = TAU / count;
         let (apothem, (sin, cos)) = (0.5 * (PI / count).cos(), turn.sin_cos());
-        // Each edge is moved inwards by what its copy is.
+        // Each edge moves inwards by the shift of its copy.
         let moved = |edge: u32| {
             let (sin, cos) = (turn * (f64::from(edge) + 0.5)).sin_cos();
             blurred_ramp(x * cos + y * sin)
@@ -80,7 +82,8 @@ impl Aperture {
             (length - (beside - 2.0 * own * cos) / sin).max(0.0) * (apothem - own).max(0.0)
         });
         let overlap = areas.sum::<f64>() / (count * length * apothem);
-        // Specks lie anywhere: they dim the aperture's own pattern and add theirs, that of discs.
+        // Specks are at random positions. They dim the aperture's own pattern and add that of
+        // discs.
         let apart = (x.hypot(y) / SPECK).min(1.0);
         let disc = (apart.acos() - apart * (1.0 - apart * apart).sqrt()) * 2.0 / PI;
         (1.0 - self.dust) * overlap + self.dust * disc
@@ -88,9 +91,9 @@ impl Aperture {
 }
 
 impl DiffractionPattern {
-    /// Computes it, once for all pictures of a lens.
+    /// Computes the pattern, once for all images of a lens.
     pub fn new(aperture: Aperture) -> Self {
-        // Places on both sides of 0, which comes first.
+        // Positions on both sides of 0, starting with 0.
         let place = |n: usize| match n < SIDE / 2 {
             true => n as f64,
             false => n as f64 - SIDE as f64,
@@ -106,11 +109,12 @@ impl DiffractionPattern {
         transform_rows(&mut grid);
         transpose(&mut grid);
         transform_rows(&mut grid);
-        // The core is moved to the middle, on a corner of four pixels as far as one can tell.
+        // Moves the core to the middle, to a corner of four pixels as closely as possible.
         let mut first = vec![0.0; SIDE * SIDE];
         for (index, [energy, _]) in grid.iter().enumerate() {
             let (x, y) = (place(index % SIDE), place(index / SIDE));
-            // Of a real aperture's autocorrelation the transform is real and not negative, but for rounding.
+            // The transform of a real aperture's autocorrelation is real and not negative, except for
+            // rounding.
             let flat = energy.max(0.0) * LAG * LAG * (x.hypot(y) * PIXEL).powi(2);
             let column = (x + (SIDE / 2) as f64) as usize;
             let row = (y + (SIDE / 2) as f64) as usize;
@@ -129,20 +133,20 @@ impl DiffractionPattern {
         }
     }
 
-    /// What it is of.
+    /// The aperture of the pattern.
     pub fn aperture(&self) -> &Aperture {
         &self.aperture
     }
 
     /// Pixels along a side of the first level.
     pub const SIDE_PX: u32 = SIDE as u32;
-    /// Sizes of green light's pattern in those of red, green and blue light's.
+    /// Scale from positions in green light to positions in the patterns of red, green and blue.
     pub const SCALES: [f64; 3] = {
         let [red, green, blue] = Aperture::WAVELENGTHS_NM;
         [green / red, 1.0, green / blue]
     };
-    /// What the light of each band is to be faded by besides, so that spikes have no coloured ends: exp(−this·ρ²), at a distance of ρ sides of
-    /// green light's pattern.
+    /// Additional fading of each band, so that spikes have no coloured ends: exp(−this·ρ²). ρ is the distance in sides of green light's
+    /// pattern.
     pub const FADING: [f64; 3] = {
         let [red, green, blue] = Self::SCALES;
         let most = blue * blue;
@@ -154,19 +158,19 @@ impl DiffractionPattern {
         ]
     };
 
-    /// Mip levels, rows from the top: the energy in a unit of area, of light of 1, times the square of the distance from the core, which is the
-    /// upper left corner of the pixel right below the middle, plus half a pixel.
+    /// Mip levels, rows from the top. Values are energy per unit area, for light of 1, times the squared distance from the core. The core is
+    /// half a pixel from the upper left corner of the pixel just below the middle.
     pub fn levels(&self) -> &[Vec<f32>] {
         &self.levels
     }
 
-    /// The part of its light that the Sun gives up, where its radius is so many pixels of the pattern: of green light all that
-    /// `shaders/celestial/glare.wgsl` draws.
+    /// Fraction of the Sun's light that is diffracted, for a solar radius in pixels of the pattern. In green light it is all
+    /// that `shaders/celestial/glare.wgsl` draws.
     pub fn diffracted(&self, radius_px: f64) -> f64 {
         let about = SUN_PLACE * radius_px;
         let last = self.profile.len() - 1;
         let at = |distance: f64| self.profile.get(distance.round() as usize).unwrap_or(&0.0);
-        // ∫ 2πr W/max(r, R)² dr, W being the mean over places on the disc.
+        // ∫ 2πr W/max(r, R)² dr, where W is the mean over points of the disc.
         let rings = (0..last).map(|ring| {
             let r = ring as f64 + 0.5;
             let turns = (0..SUN_PLACES).map(|n| (f64::from(n) + 0.5) * PI / f64::from(SUN_PLACES));
@@ -181,7 +185,7 @@ impl DiffractionPattern {
     }
 }
 
-/// Has pixels near the core as those in the same direction at [`CORE_PX`].
+/// Replaces pixels near the core by those in the same direction at [`CORE_PX`].
 fn without_core(first: &mut [f32]) {
     let middle = (SIDE / 2) as i32;
     let reach = CORE_PX as i32;
@@ -194,7 +198,7 @@ fn without_core(first: &mut [f32]) {
             let scale = CORE_PX / distance.max(1e-9);
             let moved = |place: i32| middle + (f64::from(place) * scale).round() as i32;
             let index = |x: i32, y: i32| y as usize * SIDE + x as usize;
-            // Of the core itself no direction is known.
+            // The core itself has no direction.
             let from = match (x, y) {
                 (0, 0) => index(middle, middle + reach),
                 _ => index(moved(x), moved(y)),
@@ -204,7 +208,7 @@ fn without_core(first: &mut [f32]) {
     }
 }
 
-/// The mean at each whole number of pixels from the core.
+/// Mean at each integer distance from the core, pixels.
 fn profile(first: &[f32]) -> Vec<f64> {
     let middle = (SIDE / 2) as f64;
     let mut sums = vec![(0.0, 0.0); SIDE / 2];
@@ -232,7 +236,7 @@ fn blurred_ramp(u: f64) -> f64 {
     u.max(0.0) + LAG * density * (1.0 - z * series)
 }
 
-/// A level of half the side.
+/// The next mip level, half as large.
 fn halved(finer: &[f32]) -> Vec<f32> {
     let side = finer.len().isqrt();
     let half = side / 2;
@@ -293,7 +297,7 @@ mod tests {
         })
     }
 
-    /// Energy of pixels, by their places from the core in λN.
+    /// Energy of pixels, by position relative to the core in λN.
     fn energies(pattern: &DiffractionPattern) -> impl Iterator<Item = (f64, f64, f64)> {
         let flat = pattern.levels[0].iter().enumerate();
         flat.filter_map(|(index, flat)| {
@@ -305,7 +309,7 @@ mod tests {
         })
     }
 
-    /// Of a square with the side a the pattern is a² sinc²(ax) sinc²(ay): beyond |x| lies 1/(π² a |x|) of the light, on the mean.
+    /// The pattern of a square with side a is a² sinc²(ax) sinc²(ay). On average, 1/(π² a |x|) of the light is beyond |x|.
     #[test]
     fn a_square_diffracts_by_its_formula() {
         let square = pattern(4, 0.0);
@@ -317,7 +321,7 @@ mod tests {
                 (near..far).contains(&along) && (x - y).abs() * side < 200.0
             });
             let found: f64 = between.map(|(_, _, energy)| energy).sum();
-            // ∫ exp(−2π²σ²x²)/x² dx by the midpoint rule, σ being a step of lags.
+            // ∫ exp(−2π²σ²x²)/x² dx by the midpoint rule, with σ = one step of lags.
             let steps = 2000;
             let step = (far - near) / f64::from(steps);
             let parts = (0..steps).map(|n| {
@@ -325,7 +329,7 @@ mod tests {
                 (-2.0 * (PI * LAG * x).powi(2)).exp() / (x * x) * step
             });
             let formula = parts.sum::<f64>() / (PI * PI * side);
-            // What lies beyond |y| = 200 is lacking.
+            // Light beyond |y| = 200 is missing.
             let formula = formula * (1.0 - 1.0 / (PI * PI * side * 200.0));
             let off = found / formula - 1.0;
             assert!(off.abs() < 0.02, "{near} to {far}: {found} {formula}");
@@ -336,7 +340,7 @@ mod tests {
     fn even_blades_have_as_many_spikes_and_odd_ones_twice_as_many() {
         for (blades, spikes) in [(4, 4), (6, 6), (5, 10), (7, 14), (8, 8)] {
             let pattern = pattern(blades, 0.0);
-            // The lowest number of waves round the core that the light has.
+            // The lowest number of waves around the core in the light.
             let waves = |count: u32| {
                 let ring =
                     energies(&pattern).filter(|(x, y, _)| (400.0..700.0).contains(&x.hypot(*y)));
@@ -359,7 +363,7 @@ mod tests {
         let clean = pattern(6, 0.0);
         let dusty = pattern(6, 0.005);
         for pattern in [&clean, &dusty] {
-            // All that the shader draws, pixel by pixel.
+            // Everything that the shader draws, pixel by pixel.
             let (radius, middle) = (20.0_f64, (SIDE / 2) as f64);
             let value = |x: f64, y: f64| {
                 let [x, y] =
@@ -381,9 +385,9 @@ mod tests {
             let (drawn, told) = (drawn.sum::<f64>(), pattern.diffracted(radius));
             assert!((told / drawn - 1.0).abs() < 0.05, "{told} {drawn}");
         }
-        // A circle of this diameter has 2/(π² · 80) beyond, of a point.
+        // For a point source, a circle of this diameter has 2/(π² · 80) outside.
         assert!((0.5..3.0).contains(&(clean.diffracted(20.0) * PI * PI * 40.0)));
-        // Dust adds no more than it covers, and less than half a percent of veil.
+        // Dust adds at most the light that it covers, and less than half a percent of veil.
         let more = dusty.diffracted(20.0) - clean.diffracted(20.0);
         assert!((0.001..0.005).contains(&more), "{more}");
     }

@@ -1,33 +1,33 @@
-//! How much light a lens scatters, and how far.
+//! Amount and extent of light scattered by a lens.
 
 use std::ops::RangeInclusive;
 
-/// Radii over which light is scattered, in parts of the picture's shorter side.
+/// Radii of scattered light, as fractions of the image's shorter side.
 const RADII: RangeInclusive<f64> = 1.0 / 1024.0..=0.25;
 
-/// Light scattered to an octave of radii falls with this power of the radius: to an area by 2 more, between the inverse squares of
-/// large angles and the inverse cubes of small ones that lenses and eyes are measured to have (CIE 146:2002).
+/// Light scattered per octave of radii falls with this power of the radius. Per area, add 2 to the power. This is between the
+/// inverse square at large angles and the inverse cube at small angles measured for lenses and eyes (CIE 146:2002).
 const FALL: f64 = 0.5;
 
-/// What a lens does to exposed light before a tone curve shows it.
+/// Scattering of exposed light in a lens, before the tone curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bloom {
-    /// The part of all light that the lens scatters to where it does not belong, from a thousandth to a quarter of the picture's shorter side
-    /// away: halos about city lights, a veil beside what is bright. Good lenses have 0.01 to 0.05. With 0 there is no pass for it.
+    /// Fraction of all light that the lens scatters, to distances from a thousandth to a quarter of the image's shorter side. It draws halos
+    /// around city lights and a veil beside bright objects. Good lenses have 0.01 to 0.05. With 0 the pass is omitted.
     pub strength: f64,
 }
 
 impl Bloom {
-    /// Of [`Self::strength`].
+    /// Range of [`Self::strength`].
     pub const STRENGTH: RangeInclusive<f64> = 0.0..=0.5;
-    /// Brightest exposed light that is scattered. The Sun's disc is brighter: its light about it is drawn as glare, from beyond the picture's
-    /// edge too.
+    /// Brightest exposed light that is scattered. The Sun's disc is brighter; its surrounding light is drawn as glare, also from outside the
+    /// image.
     pub const BRIGHTEST_SCATTERED: f64 = 64.0;
 
-    /// How a picture of this size, pixels, is scattered: the part of its own light that each picture, half as large as the one before, gives
-    /// up for the next one's; the first is the light itself. Empty where nothing is scattered.
+    /// Shares of the downsampled images for an image of this size in pixels. Each image is half as large as the one before, starting with the light
+    /// itself. Its share is the fraction of its light that the next image replaces. Empty without scattering.
     ///
-    /// Together they scatter the part [`Self::strength`] of all light, less what stays within a pixel.
+    /// Together they scatter the fraction [`Self::strength`] of all light, minus the light that stays within a pixel.
     pub fn shares(&self, (width, height): (u32, u32)) -> Vec<f64> {
         let side = f64::from(width.min(height));
         let octave = std::f64::consts::SQRT_2;
@@ -39,7 +39,7 @@ impl Bloom {
         };
         let radii = (1..).map(|level| 2_f64.powi(level) / side);
         let weights: Vec<_> = radii
-            // Rounding must not make an octave of nothing.
+            // Rounding must not create an empty octave.
             .take_while(|radius| radius / octave < most * (1.0 - 1e-9))
             .map(|radius| between((radius / octave).max(least), (radius * octave).min(most)))
             .collect();
@@ -54,12 +54,12 @@ impl Bloom {
             left -= weight;
             left / before
         });
-        // The last picture has none that is coarser.
+        // The last image has no coarser one.
         let shares = std::iter::once(first).chain(rest);
         shares.take(weights.len()).collect()
     }
 
-    /// Bytes of the textures that it takes for pictures of this size, pixels.
+    /// Bytes of its textures for images of this size, pixels.
     pub fn texture_bytes(&self, (mut width, mut height): (u32, u32)) -> u64 {
         let levels = self.shares((width, height)).into_iter().map(|_| {
             (width, height) = (width.div_ceil(2), height.div_ceil(2));
@@ -74,7 +74,7 @@ impl Bloom {
 mod tests {
     use super::*;
 
-    /// What each level contributes, finest first.
+    /// Contribution of each level, finest first.
     fn parts(strength: f64, size: (u32, u32)) -> Vec<f64> {
         let shares = Bloom { strength }.shares(size);
         let mut through = 1.0;
@@ -93,7 +93,7 @@ mod tests {
             let parts = parts(0.1, size);
             let sum: f64 = parts.iter().sum();
             assert!(sum < 0.1 + 1e-12 && sum > 0.04, "{size:?}: {sum}");
-            // Of the first octaves a part may be finer than all radii.
+            // The first octaves may be partly finer than all radii.
             let falls = parts[2..].windows(2).all(|pair| pair[1] < pair[0]);
             assert!(falls, "{size:?}: {parts:?}");
         }
@@ -102,7 +102,7 @@ mod tests {
     #[test]
     fn a_radius_gets_as_much_at_every_size() {
         let (small, large) = (parts(0.1, (640, 360)), parts(0.1, (2560, 1440)));
-        // Two octaves more are finer than the small picture's pixels.
+        // Two more octaves are finer than the small image's pixels.
         for (index, part) in small.iter().enumerate().skip(1) {
             let other = large[index + 2];
             assert!((part - other).abs() < 1e-12, "{index}: {part} and {other}");

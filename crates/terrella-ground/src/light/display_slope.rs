@@ -1,32 +1,34 @@
-//! How steeply display values rise with light: what an error of light is worth in a picture.
+//! Slope of display values over light, which determines how visible an error of light is.
 
 use super::srgb::encoded;
 use super::tone::CAMERA_SATURATION;
 use super::{Grade, Tone};
 use glam::{DVec3, Mat3, Vec3};
 
-/// How steeply sRGB display values, 0…1, rise with exposed light by a tone curve.
+/// Slope of sRGB display values, 0…1, over exposed light through a tone curve.
 pub struct DisplaySlope {
-    /// The largest of each step of exposure, channel by channel.
+    /// Largest slope in each exposure step, per channel.
     slopes: Vec<Vec3>,
-    /// The white balance before the curve, and how much an error of all channels grows at most in each.
+    /// White balance before the curve, and its largest gain in each channel for an error of all
+    /// channels.
     balance: Option<(Mat3, Vec3)>,
 }
 
-/// Steps of an exposure value.
+/// Steps per exposure value.
 const STEPS: usize = 16;
-/// Exposure values below and above 1: darker light is in the curves' straight beginnings, brighter at their ends.
+/// Exposure values below and above 1. Darker light is in the straight start of the curves, brighter light at
+/// their end.
 const BELOW: usize = 14;
 const ABOVE: usize = 4;
-/// Slopes that each step is looked at by.
+/// Slopes evaluated per step.
 const PARTS: usize = 2;
 
 impl DisplaySlope {
-    /// Of this curve after the white balance of a grade.
+    /// The slope of this curve after the white balance of a grade.
     pub fn of(tone: Tone, grade: &Grade) -> Self {
         let shown = |part: usize| {
             let light = (part as f64 / (STEPS * PARTS) as f64 - BELOW as f64).exp2();
-            // Channel by channel, as their curves differ.
+            // Per channel, because their curves differ.
             (light, tone.shown(DVec3::splat(light)).map(encoded))
         };
         let slope = |part: usize| {
@@ -36,16 +38,16 @@ impl DisplaySlope {
         let steps = 0..(BELOW + ABOVE) * STEPS;
         let slopes = steps.map(|step| {
             if let Tone::Measured(response) = tone {
-                // Its brightness is encoded, and straight between samples.
+                // Its brightness is already encoded, and linear between samples.
                 let light = |step: f64| (step / STEPS as f64 - BELOW as f64).exp2();
                 let within = light(step as f64 - 0.5)..=light(step as f64 + 1.5);
                 return response.steepest(&within).as_vec3();
             }
-            // With the neighbours: a slope between two lights is a mean.
+            // Includes the neighbours, because a slope between two lights is a mean.
             let parts = (step * PARTS).saturating_sub(1)..=(step + 1) * PARTS;
             let largest = parts.map(slope).fold(DVec3::ZERO, DVec3::max);
             match tone {
-                // Of a rise of all channels alike each shows its own.
+                // If all channels rise equally, each shows its own slope.
                 Tone::Camera => (CAMERA_SATURATION * largest).as_vec3(),
                 _ => largest.as_vec3(),
             }
@@ -58,17 +60,17 @@ impl DisplaySlope {
         }
     }
 
-    /// At so much exposed light; at least what it is in truth.
+    /// Slope at an exposed light, never less than the true slope.
     pub fn at(&self, light: Vec3) -> Vec3 {
         let Some((matrix, gains)) = self.balance else {
             return self.of_balanced(light);
         };
-        // Each channel shows errors of all others, together at most by its gain.
+        // Each channel shows errors of all channels, at most multiplied by its gain.
         let slopes = self.of_balanced((matrix * light).max(Vec3::ZERO));
         Vec3::splat((slopes * gains).max_element())
     }
 
-    /// At so much light after the white balance.
+    /// Slope at light after the white balance.
     fn of_balanced(&self, light: Vec3) -> Vec3 {
         let at = |channel: usize| {
             let step = (light[channel].max(1e-9).log2() + BELOW as f32) * STEPS as f32;
@@ -97,11 +99,11 @@ mod tests {
             ] {
                 for n in 0..1500 {
                     let light = tint * (f64::from(n) * 0.01 - 13.0).exp2();
-                    // All channels together, as errors of the air come.
+                    // All channels together, as for errors of the atmosphere.
                     let more = light * 1.0001;
                     let rise = tone.shown(more).map(encoded) - tone.shown(light).map(encoded);
                     for channel in 0..3 {
-                        // A channel may follow a brighter one by saturation.
+                        // Saturation may make a channel follow a brighter one.
                         let by = (more - light)[channel];
                         let most = f64::from(slopes.at(light.as_vec3())[channel]) * by;
                         let follows = 1e-4 * light.max_element();
@@ -118,7 +120,8 @@ mod tests {
         }
     }
 
-    /// An error of any channels, each as large as the slope allows for a code, is a code at most.
+    /// Errors of any channels, each as large as the slope permits for one code, cause an error of
+    /// at most one code.
     #[test]
     fn a_white_balance_makes_errors_no_larger_than_the_slope_says() {
         let grade = Grade {

@@ -1,26 +1,26 @@
-//! Exposure: what light is multiplied by before it is shown.
+//! Exposure: the factor applied to light before display.
 
 use std::ops::RangeInclusive;
 
-/// How bright light is shown.
+/// Brightness of the displayed light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exposure {
-    /// Always the same exposure value (EV): light is multiplied by 2 to the power of it. In [`Self::RANGE_EV`].
+    /// A fixed exposure value (EV): light is multiplied by 2 to this power. In [`Self::RANGE_EV`].
     Ev(f64),
-    /// Each frame's own, metered on the processor from what is in view: of a grid of rays, the mean luminance of the
-    /// brightest tenth of ground and air in sight is shown as 0.7, with at least −4 EV and at most 6. Only the view, the Sun and the maps
-    /// decide, never the frames before: the same frame gives the same bytes.
+    /// Metered for each frame on the CPU from the visible scene. A grid of rays samples the view. The mean luminance of the brightest
+    /// tenth of visible ground and atmosphere is displayed as 0.7, limited to −4…6 EV. The result depends only on the view, the Sun and
+    /// the maps, never on earlier frames: equal frames have equal bytes.
     Auto,
 }
 
 impl Exposure {
-    /// Exposure values that are taken.
+    /// Accepted exposure values.
     pub const RANGE_EV: RangeInclusive<f64> = -20.0..=20.0;
 
-    /// The default: clouds in full sunlight are shown just below white.
+    /// The default: sunlit clouds appear just below white.
     pub const DEFAULT_EV: f64 = 0.5;
 
-    /// The value; of a metered exposure, where there is no view to meter, the default.
+    /// The exposure value; for a metered exposure without a view, the default.
     pub fn fixed_ev(self) -> f64 {
         match self {
             Self::Ev(ev) => ev,
@@ -28,7 +28,7 @@ impl Exposure {
         }
     }
 
-    /// The value, where it is a finite number in its range or metered; else what is wrong is the number itself.
+    /// Accepts a metered exposure or a value in its range. Otherwise the error is the value.
     pub fn check(self) -> Result<Self, f64> {
         match self {
             Self::Ev(ev) if !Self::RANGE_EV.contains(&ev) => Err(ev),
@@ -43,23 +43,23 @@ impl Default for Exposure {
     }
 }
 
-/// What light is multiplied by at an exposure value.
+/// Factor of light at an exposure value.
 pub fn exposure_factor(ev: f64) -> f64 {
     ev.exp2()
 }
 
-/// A metered exposure that is followed in time as eyes and cameras do: frames that come one after another do not jump.
+/// Follows a metered exposure over time, as eyes and cameras do, so that consecutive frames do not jump.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Adaptation {
     ev: Option<f64>,
 }
 
 impl Adaptation {
-    /// After this time 63 % of a change has been followed, seconds.
+    /// Time after which 63 % of a change is applied, seconds.
     pub const TIME_CONSTANT_S: f64 = 0.8;
 
-    /// The exposure of a frame, EV: `metered_ev` for the first, later ones by the time since the frame before, seconds.
-    /// Frames in order of the same times give the same values, however fast they are drawn.
+    /// The exposure of a frame, EV. The first frame uses `metered_ev`; later ones depend on the time since the previous
+    /// frame, seconds. The same sequence of times gives the same values, independent of drawing speed.
     pub fn follow(&mut self, metered_ev: f64, elapsed_s: f64) -> f64 {
         let part = 1.0 - (-elapsed_s.max(0.0) / Self::TIME_CONSTANT_S).exp();
         let ev = match self.ev {

@@ -1,12 +1,13 @@
-//! Ghosts of a lens: what two reflections inside it make of the Sun.
+//! Lens ghosts: images of the Sun after two reflections inside the lens.
 
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
-/// Images of a lens's aperture, in a line through the Sun and the middle of the picture. A model of no lens in particular.
+/// Images of a lens's aperture, on a line through the Sun and the centre of the image. The model is generic, without a
+/// particular lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ghosts {
-    /// Part of the Sun's light that all of them have together, from [`Self::PARTS`].
+    /// Fraction of the Sun's light in all ghosts together, from [`Self::PARTS`].
     pub part: f64,
     /// Blades of the aperture, from [`super::Aperture::BLADES`]; `None` for a round one.
     pub blades: Option<u32>,
@@ -15,19 +16,20 @@ pub struct Ghosts {
 /// A ghost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ghost {
-    /// Where it is, in distances of the Sun from the middle of the picture: below 0 it is mirrored.
+    /// Position, in multiples of the Sun's offset from the image centre; negative on the opposite
+    /// side.
     pub place: f64,
-    /// Radius of the circle through the aperture's corners, in heights of the picture.
+    /// Radius of the circle through the aperture's corners, in image heights.
     pub radius: f64,
-    /// Its part of the light of all, in red, green and blue: coatings have a colour.
+    /// Share of the light of all ghosts, in red, green and blue; coatings are coloured.
     pub shares: [f64; 3],
 }
 
 impl Ghosts {
-    /// What [`Self::part`] may be. A coated surface reflects some 0.5 %, two of them 2.5e-5; a lens has dozens of such pairs.
+    /// Range of [`Self::part`]. A coated surface reflects some 0.5 %, two of them 2.5e-5; a lens has dozens of such pairs.
     pub const PARTS: RangeInclusive<f64> = 0.0..=0.001;
 
-    /// All of them. Their shares are at most 1 in each channel together.
+    /// All ghosts. Their shares sum to at most 1 in each channel.
     pub const ALL: [Ghost; 6] = [
         ghost(-0.35, 0.035, [0.15, 0.26, 0.18]),
         ghost(-0.6, 0.06, [0.16, 0.18, 0.26]),
@@ -37,7 +39,7 @@ impl Ghosts {
         ghost(0.75, 0.08, [0.1, 0.16, 0.16]),
     ];
 
-    /// Area of the aperture in squares of its radius.
+    /// Area of the aperture, in squares of its radius.
     pub fn area(&self) -> f64 {
         self.blades.map_or(PI, |blades| {
             let blades = f64::from(blades);
@@ -45,8 +47,8 @@ impl Ghosts {
         })
     }
 
-    /// How much of the ghosts is left where the Sun is so far from the middle of the picture, in halves of its diagonal: outside of the picture
-    /// the barrel of the lens shades it.
+    /// Remaining strength of the ghosts for a distance of the Sun from the image centre, in half diagonals. Outside the image the lens barrel
+    /// shades the Sun.
     pub fn seen(distance: f64) -> f64 {
         let [inside, outside] = [1.0, 1.4];
         let t = ((outside - distance) / (outside - inside)).clamp(0.0, 1.0);

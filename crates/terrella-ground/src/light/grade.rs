@@ -1,44 +1,45 @@
-//! What a camera does to exposed light besides its tone curve: white balance before it, grain after it.
+//! Camera processing besides the tone curve: white balance before it, grain after it.
 
 use super::grain::Grain;
 use super::white_balance::WhiteBalance;
 use glam::{DMat3, DVec3};
 
-/// White balance and grain of light that is developed after the pass.
+/// White balance and grain, applied when the light is developed after the pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Grade {
-    /// The light that is shown white. `None` leaves colours as they are and costs nothing.
+    /// The light that appears white. `None` leaves colours unchanged at no cost.
     pub white_balance: Option<WhiteBalance>,
     /// Film grain; a strength of 0 disables it at no cost.
     pub grain: Grain,
 }
 
 impl Grade {
-    /// Nothing is done to light.
+    /// No change of light.
     pub const NONE: Self = Self {
         white_balance: None,
         grain: Grain::NONE,
     };
 
-    /// Exposed light after the white balance; `None` where light stays as it is. It is applied before the tone curve, and what it makes of
-    /// light may be negative, which is shown as black.
+    /// Matrix of the white balance for exposed light; `None` without one. It is applied before the tone curve. Negative results are
+    /// displayed as black.
     pub fn balance(&self) -> Option<DMat3> {
         self.white_balance.map(|balance| balance.matrix())
     }
 
-    /// How much an error of light, as large in all channels, grows at most in each by a white balance.
+    /// Largest growth of an error of light in each channel by a white balance, for an equal error in
+    /// all channels.
     pub(super) fn gains(balance: &DMat3) -> DVec3 {
         let [x, y, z] = [balance.x_axis, balance.y_axis, balance.z_axis].map(DVec3::abs);
         x + y + z
     }
 
-    /// How much brighter the white balance makes a channel at most; 1 without one.
+    /// Largest gain of a channel by the white balance; 1 without one.
     pub fn largest_gain(&self) -> f64 {
         let balance = self.balance();
         balance.map_or(1.0, |matrix| Self::gains(&matrix).max_element())
     }
 
-    /// Exposed light that the white balance makes this light.
+    /// Exposed light before the white balance, for light after it.
     pub fn before_balance(&self, light: DVec3) -> DVec3 {
         match self.balance() {
             Some(matrix) => matrix.inverse() * light,
@@ -46,7 +47,7 @@ impl Grade {
         }
     }
 
-    /// The key that is out of its range, with its value and that range.
+    /// The first key outside its range, with its value and the range.
     pub fn fault(&self) -> Option<(&'static str, f64, [f64; 2])> {
         let grain = &self.grain;
         let of_balance = self.white_balance.map(|balance| {

@@ -1,38 +1,39 @@
-//! Film grain: noise of display values that keeps their mean.
+//! Film grain: noise of display values that preserves their mean.
 
 use std::ops::RangeInclusive;
 
-/// The grain of a film: noise that is added to encoded display values before they are rounded, the same in all channels.
+/// Film grain: noise added to encoded display values before rounding, the same in all channels.
 ///
-/// It is a function of pixel, seed and frame number alone: a picture is the same in each run and on each device. A value c, 0…1, gets noise
-/// with a standard deviation of 4·strength·c(1 − c), so that black and white have none, nothing is cut off, and the mean of values stays.
+/// It depends only on pixel, seed and frame number: an image is the same in each run and on each device. A value c, 0…1, gets noise with a standard
+/// deviation of 4·strength·c(1 − c). Black and white have no noise, nothing is clipped, and the mean is preserved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grain {
-    /// Standard deviation of values in the middle of the scale, as a part of the scale. With 0 there is no code for it.
+    /// Standard deviation at mid-scale, as a fraction of the scale. With 0 the shader omits it.
     pub strength: f64,
-    /// Distance of grains, pixels of the finished picture.
+    /// Distance between grains, pixels of the final image.
     pub size_px: f64,
-    /// Chooses among patterns.
+    /// Selects the pattern.
     pub seed: u32,
 }
 
-/// Multiplier and increment of the generator that grains are hashed with: `pcg3d` of Jarzynski and Olano 2020, "Hash Functions for GPU Rendering",
-/// J. Comput. Graph. Tech. 9(3).
+/// Multiplier and increment of the hash for grains: `pcg3d` of Jarzynski and Olano 2020, "Hash Functions for GPU Rendering", J. Comput. Graph.
+/// Tech. 9(3).
 pub const GRAIN_MULTIPLIER: u32 = 1_664_525;
 pub const GRAIN_INCREMENT: u32 = 1_013_904_223;
-/// By how many bits it is shifted.
+/// Bits of its shift.
 pub const GRAIN_SHIFT: u32 = 16;
-/// Bits of a hash that are used, so that single precision holds it.
+/// Bits of a hash that are used; single precision can hold them.
 pub const GRAIN_BITS: u32 = 24;
-/// √12, the reciprocal of the standard deviation of numbers evenly spread over −½…½.
+/// √12, the reciprocal of the standard deviation of a uniform distribution over −½…½.
 pub const GRAIN_SCALE: f64 = 3.464_101_615_137_754_6;
 
 impl Grain {
-    /// Of [`Self::strength`]: with more, values could leave 0…1, as noise reaches 2√3 standard deviations and 1/(4 · 2√3) = 0.072.
+    /// Range of [`Self::strength`]. With more, values could leave 0…1, because noise reaches 2√3 standard deviations and 1/(4 ·
+    /// 2√3) = 0.072.
     pub const STRENGTHS: RangeInclusive<f64> = 0.0..=0.07;
-    /// Of [`Self::size_px`].
+    /// Range of [`Self::size_px`].
     pub const SIZES_PX: RangeInclusive<f64> = 1.0..=16.0;
-    /// Size where none is given, pixels.
+    /// Default size, pixels.
     pub const USUAL_SIZE_PX: f64 = 1.5;
     /// No grain.
     pub const NONE: Self = Self {
@@ -41,14 +42,14 @@ impl Grain {
         seed: 0,
     };
 
-    /// What the hash of a frame's grains begins with.
+    /// Start value of the hash for a frame's grains.
     pub fn frame_seed(&self, frame: u32) -> u32 {
-        // An odd factor: no two frames of a seed have the same.
+        // The factor is odd, so frames of one seed all differ.
         self.seed.wrapping_add(frame.wrapping_mul(GRAIN_MULTIPLIER))
     }
 
-    /// Noise at the middle of a pixel, of mean 0 and standard deviation 1, by [`Self::frame_seed`]: grains on a lattice of [`Self::size_px`], blended
-    /// between its points.
+    /// Noise at the centre of a pixel, with mean 0 and standard deviation 1, for a seed from [`Self::frame_seed`]. Grains are on a lattice of
+    /// [`Self::size_px`] and interpolated between its points.
     pub fn noise(&self, (x, y): (u32, u32), frame_seed: u32) -> f32 {
         let size_px = self.size_px as f32;
         let at = [x, y].map(|pixel| (pixel as f32 + 0.5) / size_px - 0.5);
@@ -65,7 +66,7 @@ impl Grain {
         GRAIN_SCALE as f32 * sum / squares.sqrt()
     }
 
-    /// An encoded display value, 0…1, with this noise.
+    /// Adds this noise to an encoded display value, 0…1.
     pub fn grained(&self, value: f64, noise: f32) -> f64 {
         let c = value.clamp(0.0, 1.0);
         c + 4.0 * self.strength * f64::from(noise) * c * (1.0 - c)
@@ -78,7 +79,7 @@ impl Default for Grain {
     }
 }
 
-/// A number of −½…½ for a point of the lattice.
+/// A number in −½…½ for a lattice point.
 fn grain([x, y]: [i32; 2], seed: u32) -> f32 {
     let mixed = |v: u32| {
         v.wrapping_mul(GRAIN_MULTIPLIER)
@@ -123,13 +124,13 @@ mod tests {
             let field = field(&grain, 3);
             let found = mean(field.iter().map(|n| f64::from(*n)));
             let square = mean(field.iter().map(|n| f64::from(*n).powi(2)));
-            // 65 536 pixels, of which size² share a grain.
+            // 65 536 pixels, with size² per grain.
             assert!(found.abs() < 4.0 * size_px / 256.0, "{size_px}: {found}");
             assert!((square - 1.0).abs() < 0.05, "{size_px}: {square}");
         }
     }
 
-    /// Neighbours are alike within a grain and unlike beyond it.
+    /// Neighbours are similar within a grain and independent beyond it.
     #[test]
     fn grains_are_as_large_as_they_are_chosen() {
         let alike = |size_px: f64, apart: usize| {

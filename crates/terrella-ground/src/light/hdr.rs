@@ -1,18 +1,19 @@
-//! Light for displays that are brighter than white paper: how highlights are shown, and the codes of PQ and HLG.
+//! High dynamic range output: highlights above white paper, and the codes of PQ and HLG.
 
 use super::tone::Tone;
 use glam::{DMat3, DVec3};
 use std::ops::RangeInclusive;
 
-/// Exposed light up to which a picture is that of its tone curve. The camera's curve, carried on from there along its slope, shows light of
-/// 1, a thick cloud at the default exposure, at reference white.
+/// Exposed light up to which the image follows its tone curve. The camera curve, extended along its slope from there, shows light of 1 at
+/// reference white. That is a thick cloud at the default exposure.
 const KNEE: f64 = 0.5;
-/// Step of light, as a part of the knee, that the slope there is taken over.
+/// Step of light for the slope there, as a fraction of the knee.
 const SLOPE_STEP: f64 = 1e-3;
-/// Light beyond this is as this.
+/// Limit of light; brighter light counts as this.
 const BRIGHTEST: f64 = 1e9;
 
-/// From BT.709's primaries to BT.2020's: ITU-R BT.2087-0, with the digits that its primaries and white give.
+/// From BT.709's primaries to BT.2020's: ITU-R BT.2087-0, with the digits that follow from its primaries and
+/// white.
 const BT2020_FROM_BT709: DMat3 = DMat3::from_cols_array(&[
     0.627_403_895_934_699,
     0.069_097_289_358_232,
@@ -27,37 +28,37 @@ const BT2020_FROM_BT709: DMat3 = DMat3::from_cols_array(&[
 /// Luminance of BT.2020's primaries.
 const BT2020_LUMINANCE: DVec3 = DVec3::new(0.2627, 0.6780, 0.0593);
 
-/// How display light becomes a code.
+/// Encoding of display light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HdrTransfer {
     /// Perceptual quantisation, SMPTE ST 2084 and ITU-R BT.2100: codes are luminances up to 10 000 cd/m².
     Pq,
-    /// Hybrid log-gamma, ITU-R BT.2100: codes are parts of what a display can show.
+    /// Hybrid log-gamma, ITU-R BT.2100: codes are fractions of the display's range.
     Hlg,
 }
 
-/// A picture of high dynamic range: the tone curve's up to its middle, with brighter light carried on to a peak luminance.
+/// A high dynamic range image. It follows the tone curve up to its middle, and extends brighter light to a peak luminance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hdr {
-    /// The codes.
+    /// Encoding of the codes.
     pub transfer: HdrTransfer,
     /// Luminance that the brightest light approaches, cd/m².
     pub peak_cd_m2: f64,
 }
 
 impl Hdr {
-    /// Luminance of a tone curve's white, cd/m²: the reference white of ITU-R BT.2408, at which captions stand too.
+    /// Luminance of a tone curve's white, cd/m²: the reference white of ITU-R BT.2408. Captions use it too.
     pub const REFERENCE_WHITE_CD_M2: f64 = 203.0;
-    /// Of [`Self::peak_cd_m2`], with PQ.
+    /// Range of [`Self::peak_cd_m2`] for PQ.
     pub const PEAKS_CD_M2: RangeInclusive<f64> = 400.0..=10_000.0;
-    /// Peak where none is given, and always with HLG, whose system gamma of 1.2 is for it (ITU-R BT.2100, Table 5), cd/m².
+    /// Default peak, and the fixed peak of HLG, whose system gamma of 1.2 assumes it (ITU-R BT.2100, Table 5), cd/m².
     pub const USUAL_PEAK_CD_M2: f64 = 1000.0;
 
-    /// Display light of exposed light, which is not negative: BT.709's primaries, 1 at reference white.
+    /// Display light of exposed light, which must not be negative: BT.709's primaries, 1 at reference white.
     ///
-    /// Where the brightest channel m is at most k = 0.5, it is that of the tone curve. Beyond, each channel goes on from its value y at k, of
-    /// the same colour of light, along its slope s there: y + (P − y)·t/(1 + t), t = s(m − k)/(P − y), with the peak P. Bright colours fade to
-    /// white, as on film.
+    /// Where the brightest channel m is at most k = 0.5, it follows the tone curve. Beyond, each channel continues from its value y at k, for light
+    /// of the same colour. It follows its slope s there: y + (P − y)·t/(1 + t), t = s(m − k)/(P − y), with the peak P. Bright colours fade to white,
+    /// as on film.
     pub fn shown(&self, tone: Tone, light: DVec3) -> DVec3 {
         let light = light.clamp(DVec3::ZERO, DVec3::splat(BRIGHTEST));
         let brightest = light.max_element();
@@ -73,12 +74,13 @@ impl Hdr {
         shown + room * rise / (1.0 + rise)
     }
 
-    /// Luminance of each of BT.2020's primaries, cd/m² of what white would have, of display light.
+    /// Luminance of each of BT.2020's primaries for display light, in cd/m² of a white at that
+    /// level.
     pub fn luminances_cd_m2(&self, shown: DVec3) -> DVec3 {
         BT2020_FROM_BT709 * shown * Self::REFERENCE_WHITE_CD_M2
     }
 
-    /// Codes of those luminances, 0…1.
+    /// Codes of these luminances, 0…1.
     pub fn encoded(&self, luminances_cd_m2: DVec3) -> DVec3 {
         let luminances_cd_m2 = luminances_cd_m2.max(DVec3::ZERO);
         match self.transfer {
@@ -210,10 +212,10 @@ mod tests {
                     for step in 0..=4000 {
                         let light = tint * (f64::from(step) * 0.01 - 20.0).exp2();
                         let shown = hdr.shown(tone, light);
-                        // Of AgX a bright channel falls a little while the others reach white.
+                        // In AgX a bright channel falls slightly while the others reach white.
                         let room = if tone == Tone::Agx { 0.006 } else { 1e-12 };
                         assert!(shown.cmpge(before - room).all(), "{tone:?} {light}");
-                        // A hundredth of an octave is no step.
+                        // A step of a hundredth of an octave causes no jump.
                         let rise = (shown - before).max_element();
                         assert!(rise < 0.02 * shown.max_element() + 1e-4, "{tone:?} {light}");
                         before = shown;
@@ -224,7 +226,7 @@ mod tests {
                         "{tone:?} {brightest}"
                     );
                 }
-                // Up to the knee it is the picture that others see.
+                // Up to the knee it is the standard image.
                 let dim = DVec3::new(0.5, 0.31, 0.02);
                 assert_eq!(hdr.shown(tone, dim), tone.shown(dim));
                 assert!(hdr.shown(tone, DVec3::splat(f64::MAX)).is_finite());

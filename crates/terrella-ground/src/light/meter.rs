@@ -1,10 +1,10 @@
-//! The exposure that a view asks for, by the processor alone: nothing is read back, so that the same frame always gets the
-//! same exposure.
+//! Metering of the exposure for a view on the CPU. Nothing is read back from the GPU, so equal frames have equal
+//! exposures.
 //!
-//! A grid of rays is cast at the ellipsoid. Where one meets the ground, its luminance is the albedo there, coarsely, times the
-//! light that falls on it, and about what the air before it scatters; where it passes through the air beside the ground, that of
-//! the sky over its lowest point. By night lamps and airglow shine beside that. Rays into space do not count. The mean luminance of the brightest [`BRIGHTEST`] of what counts
-//! is shown as [`SHOWN`].
+//! A grid of rays is cast at the ellipsoid. For a ray that hits the ground, the luminance is the coarse albedo there times the irradiance, plus an
+//! estimate of the inscattered light. For a ray that passes through the atmosphere beside the ground, it is that of the sky over its lowest point. At
+//! night, lamps and airglow are added. Rays into space have no weight. The mean luminance of the brightest [`BRIGHTEST`] of the weighted rays is
+//! displayed as [`SHOWN`].
 
 use super::Exposure;
 use crate::air::{AirTables, LUMINANCE};
@@ -13,85 +13,88 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use terrella_frames::{MoonShadow, SUN_RADIUS_RAD};
 
-/// Rays across and down.
+/// Rays horizontally and vertically.
 const RAYS: [u32; 2] = [32, 18];
-/// How many [`view_rays`] gives.
+/// Number of rays of [`view_rays`].
 pub const VIEW_RAYS: usize = (RAYS[0] * RAYS[1]) as usize;
-/// Part of what is seen whose mean luminance is metered, the brightest.
+/// Fraction of the visible scene, the brightest, whose mean luminance is metered.
 const BRIGHTEST: f64 = 0.1;
-/// Display light that it is shown with.
+/// Display light of that mean.
 const SHOWN: f64 = 0.7;
-/// Exposures that are answered, EV: snow in full sunlight still needs more than the least; the most shows airglow.
+/// Range of results, EV. Snow in full sunlight needs more than the minimum; the maximum shows airglow.
 const RANGE_EV: [f64; 2] = [-4.0, 6.0];
-/// Most that the airglow's layer is brighter seen along it than seen from below, on one side of a ray.
+/// Largest factor by which the airglow layer is brighter along it than from below, on one side of a
+/// ray.
 const MOST_SLANT: f64 = 12.0;
-/// Columns and rows of the map of albedo: the whole Earth, north row first, left edge at 180° W, with the last column before the
-/// first and the first after the last.
+/// Columns and rows of the albedo map: the whole Earth, north row first, left edge at 180° W. The last column is repeated before
+/// the first, and the first after the last.
 const METER_ALBEDO: [usize; 2] = [66, 32];
-/// Height in which the air beside the ground grows e times thinner, of the equatorial radius.
+/// Scale height of the air at the limb, equatorial radii.
 const AIR_SCALE: f64 = 8e3 / 6.378e6;
 
-/// A grid of rays from the eye through a picture, each along one of equal parts of it: what a few looks say of all of it.
-/// `clip_from_eye` takes the rays' space to clip space.
+/// A grid of rays from the eye, one per equal part of the image: a sparse sampling of the view. `clip_from_eye`
+/// transforms the rays' space to clip space.
 pub fn view_rays(clip_from_eye: &DMat4) -> impl Iterator<Item = DVec3> + use<> {
     let eye_from_clip = clip_from_eye.inverse();
     (0..RAYS[0] * RAYS[1]).map(move |n| {
         let [x, y] = [n % RAYS[0], n / RAYS[0]];
         let across = (f64::from(x) + 0.5) / f64::from(RAYS[0]) * 2.0 - 1.0;
         let up = 1.0 - (f64::from(y) + 0.5) / f64::from(RAYS[1]) * 2.0;
-        // Any depth between the planes is before the eye.
+        // Any depth between the planes is in front of the eye.
         eye_from_clip.project_point3(DVec3::new(across, up, 0.5))
     })
 }
 
-/// What it sees.
+/// Input of the meter.
 pub struct MeterView<'a> {
     /// The eye, scaled space.
     pub eye_scaled: DVec3,
-    /// Diagonal of the ellipsoid: takes scaled space to metres.
+    /// Diagonal of the ellipsoid's matrix: transforms scaled space to metres.
     pub itrf_from_scaled: DVec3,
-    /// Takes eye-relative ITRF metres to clip space.
+    /// Transforms eye-relative ITRF metres to clip space.
     pub clip_from_eye: &'a DMat4,
-    /// Sun and Moon: unit vectors to them, ITRF, and their light as they are drawn, the Sun's being 1.
+    /// Sun and Moon: ITRF unit vectors towards them, and their light as drawn, with the Sun at 1.
     pub lights: [(DVec3, f32); 2],
-    /// What stands before the Sun.
+    /// The Moon's shadow, if it covers the Sun.
     pub shadow: Option<MoonShadow>,
-    /// What shines by night.
+    /// Light sources of the night.
     pub night: NightLight,
 }
 
-/// Lights of the night as they are drawn, a white sheet that faces the Sun in space being 1.
+/// Lights of the night as drawn. A white sheet that faces the Sun in space is 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NightLight {
-    /// Light of the brightest lamps; 0 where none are drawn.
+    /// Light of the brightest lamps; 0 if none are drawn.
     pub lamps: f64,
-    /// Sines of the Sun's elevation at which all lamps are on, and at which they go out.
+    /// Sines of the Sun's elevation at which all lamps are on, and at which all are off.
     pub lamp_sins: [f64; 2],
-    /// Luminance of the airglow seen from straight below; 0 where none is drawn.
+    /// Luminance of the airglow seen from directly below; 0 if none is drawn.
     pub airglow: f64,
-    /// Sines of the Sun's elevation at which all of it is seen, and at which twilight outshines it.
+    /// Sines of the Sun's elevation at which it is fully visible, and at which twilight outshines
+    /// it.
     pub airglow_sins: [f64; 2],
-    /// Height of its layer, equatorial radii.
+    /// Height of the airglow layer, equatorial radii.
     pub airglow_height: f64,
 }
 
-/// Meters views of an Earth.
+/// Meters views of one Earth.
 pub struct Meter {
-    /// Of the ground under its clouds, RGB, [`METER_ALBEDO`] texels.
+    /// Albedo of the ground with its clouds, RGB, [`METER_ALBEDO`] texels.
     albedo: Vec<Vec4>,
-    /// Lamps in the same texels, the brightest being 1; empty where there are none.
+    /// Lamps in the same texels, the brightest being 1; empty without lamps.
     lamps: Vec<f32>,
-    /// The air, if there is any.
+    /// The atmosphere, if there is one.
     air: Option<Arc<AirTables>>,
 }
 
 impl Meter {
-    /// `albedo` has `METER_ALBEDO` texels, and so have `lamps` where there are any.
+    /// `albedo` has `METER_ALBEDO` texels, and so does `lamps` unless empty.
     pub fn new(albedo: Vec<Vec4>, lamps: Vec<f32>, air: Option<Arc<AirTables>>) -> Self {
         Self { albedo, lamps, air }
     }
 
-    /// The exposure for a view, EV; the default where neither ground nor air is in sight. Allocates nothing.
+    /// The exposure for a view, EV; the default where neither ground nor atmosphere is visible. Allocates
+    /// nothing.
     pub fn ev(&self, view: &MeterView<'_>) -> f64 {
         let mut seen = [(0.0, 0.0); VIEW_RAYS];
         for (seen, ray) in seen.iter_mut().zip(view_rays(view.clip_from_eye)) {
@@ -105,7 +108,7 @@ impl Meter {
             .clamp(RANGE_EV[0], RANGE_EV[1])
     }
 
-    /// Luminance along a ray of scaled space, and how much it counts.
+    /// Luminance along a ray of scaled space, and its weight.
     fn luminance(&self, view: &MeterView<'_>, ray: DVec3) -> (f64, f64) {
         let Some(d) = ray.try_normalize() else {
             return (0.0, 0.0);
@@ -120,7 +123,7 @@ impl Meter {
             let up = self.up(view, ground);
             let albedo = self.albedo_at(up);
             let [falls, sky] = self.light(view, up, albedo);
-            // The air sends about as much up as down, and more where one looks along it.
+            // The atmosphere sends about as much light up as down, and more along a slanted view.
             let before = sky * (0.5 / root.max(0.25)) as f32;
             let (night, sun_sin) = (&view.night, up.dot(view.lights[0].0));
             let lamps = night.lamps * f64::from(self.lamps_at(up)) * on(night.lamp_sins, sun_sin);
@@ -130,7 +133,7 @@ impl Meter {
             };
             return (luminance(albedo * falls + before) + lamps + glow, 1.0);
         }
-        // Past the ground: the lowest point, which is the eye's own where the ray rises.
+        // The ray misses the ground: take its lowest point, or the eye if the ray rises.
         let (lowest, height) = match along > 0.0 {
             true => (eye + d * along, q - 1.0),
             false => (eye, above),
@@ -161,7 +164,7 @@ impl Meter {
         (scaled / view.itrf_from_scaled).normalize_or_zero()
     }
 
-    /// What falls of all lights on level ground with this normal, RGB, and of the sky alone, which is as much as its light: a
+    /// Irradiance of all lights on level ground with this normal, RGB, and of the sky alone, which equals the sky's light. A
     /// sheet that faces the Sun in space has 1.
     fn light(&self, view: &MeterView<'_>, up: DVec3, albedo: Vec3) -> [Vec3; 2] {
         let mut sum = [Vec3::ZERO; 2];
@@ -181,7 +184,7 @@ impl Meter {
         sum
     }
 
-    /// The same of a Sun whose zenith angle has this cosine.
+    /// The same for a Sun at this zenith cosine.
     fn light_of_one(&self, mu_s: f64, albedo: Vec3) -> [Vec3; 2] {
         let Some(air) = &self.air else {
             let risen = ((mu_s + SUN_RADIUS_RAD) / (2.0 * SUN_RADIUS_RAD)).clamp(0.0, 1.0);
@@ -189,11 +192,11 @@ impl Meter {
         };
         let [direct, sky] = air.sunlight_at(mu_s);
         let falls = direct * mu_s.max(0.0) as f32 + sky;
-        // The air sends back a part of what the ground throws up.
+        // The atmosphere returns a part of the light reflected by the ground.
         [falls / (1.0 - albedo * air.sky_albedo), sky]
     }
 
-    /// The albedo at a place, between the texels' middles.
+    /// The albedo at a place, interpolated between texel centres.
     fn albedo_at(&self, up: DVec3) -> Vec3 {
         let texel = |at: usize| self.albedo.get(at).copied().unwrap_or_default();
         between(up, texel).truncate()
@@ -209,7 +212,7 @@ impl Meter {
 }
 
 impl NightLight {
-    /// Luminance of the airglow on one side of a ray that passes the centre in this distance, scaled space.
+    /// Luminance of the airglow on one side of a ray that passes the centre at this distance, scaled space.
     fn airglow_along(&self, q: f64) -> f64 {
         let sine = (q / (1.0 + self.airglow_height)).min(1.0);
         let cosine = ((1.0 - sine) * (1.0 + sine)).sqrt();
@@ -217,16 +220,16 @@ impl NightLight {
     }
 }
 
-/// How much of a light of the night is seen, where it is all seen below the first sine of the Sun's elevation and none of it above the second.
+/// Visible fraction of a night light: full below the first sine of the Sun's elevation, none above the second.
 fn on([full, out]: [f64; 2], sun_sin: f64) -> f64 {
     let t = ((out - sun_sin) / (out - full).max(1e-9)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
-/// What texels hold at a place, between their middles.
+/// Texel value at a place, interpolated between texel centres.
 fn between(up: DVec3, texel: impl Fn(usize) -> Vec4) -> Vec4 {
     let [columns, rows] = METER_ALBEDO;
-    // The first column is the last one again.
+    // The first column repeats the last one.
     let u = (up.y.atan2(up.x) / TAU + 0.5) * (columns - 2) as f64 + 0.5;
     let v = (0.5 - up.z.clamp(-1.0, 1.0).asin() / PI) * rows as f64 - 0.5;
     let at = |column: f64, row: f64| {
@@ -244,8 +247,8 @@ fn luminance(light: Vec3) -> f64 {
     light.as_dvec3().dot(LUMINANCE)
 }
 
-/// Mean of the largest values that have `part` of the weight, so that it moves smoothly with values and weights. `None` without
-/// weight. Sorts.
+/// Mean of the largest values that have `part` of the weight, so that it varies smoothly with values and weights. `None`
+/// without weight. Sorts `values`.
 fn mean_of_brightest(values: &mut [(f64, f64)], part: f64) -> Option<f64> {
     values.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
     let total: f64 = values.iter().map(|(_, weight)| weight).sum();
@@ -278,7 +281,7 @@ mod tests {
         )
     }
 
-    /// From above longitude 0, straight down.
+    /// View from above longitude 0, straight down.
     fn ev(meter: &Meter, height_m: f64, sun_itrf: DVec3) -> f64 {
         ev_under(meter, height_m, [(sun_itrf, 1.0), (DVec3::ZERO, 0.0)])
     }
@@ -320,7 +323,7 @@ mod tests {
     fn a_night_is_metered_by_its_moon() {
         let under = |moon| ev_under(&meter(0.35), 1e5, [(-DVec3::X, 1.0), (DVec3::X, moon)]);
         assert_eq!(under(0.0), RANGE_EV[1]);
-        // Half the light of a Sun.
+        // Half the light of the Sun.
         let wanted = (0.7_f64 / 0.35).log2() + 1.0;
         assert!((under(0.5) - wanted).abs() < 0.01, "{}", under(0.5));
     }
@@ -344,7 +347,7 @@ mod tests {
         };
         let found = ev(&lit, -DVec3::X, night);
         assert!((found - (0.7_f64 / 0.06).log2()).abs() < 0.01, "{found}");
-        // By day they are off, and without a map there are none.
+        // By day lamps are off, and without a map there are none.
         assert_eq!(ev(&lit, DVec3::X, night), RANGE_EV[1]);
         assert_eq!(ev(&meter(0.0), -DVec3::X, night), RANGE_EV[1]);
         let glowing = NightLight {
@@ -352,7 +355,7 @@ mod tests {
             airglow: 0.05,
             ..night
         };
-        // Towards the corners it is brighter than straight down.
+        // It is brighter towards the corners than straight down.
         let found = ev(&lit, -DVec3::X, glowing);
         let straight = (0.7_f64 / 0.05).log2();
         assert!((straight - 0.4..straight).contains(&found), "{found}");
@@ -381,7 +384,7 @@ mod tests {
         let sun = DVec3::new(0.3, 0.9, 0.1).normalize();
         let mut before = None;
         for step in 0..2000 {
-            // From farther away so few rays meet the disc that one at its edge counts.
+            // From farther away so few rays hit the disc that a single one at its edge matters.
             let height_m = 1e5 * (f64::from(step) / 2000.0 * 100_f64.ln()).exp();
             let ev = ev(&meter, height_m, sun);
             let jump = before.map_or(0.0, |before: f64| (ev - before).abs());

@@ -1,24 +1,24 @@
-//! From light to display values: how bright a picture is shown, and by which curve. Pure numbers, no GPU here.
+//! From light to display values: exposure and tone curves. Pure numbers, without GPU use.
 //!
 //! Light is scene-referred and linear from the maps to the colour target: a diffuse white sheet that faces the Sun in space
-//! is 1. What an 8-bit target shows of it is decided once and last: `shown = curve(light · 2^EV)`, dithered and encoded
-//! (`shaders/common/displayed.wgsl`). A float target gets the light itself.
+//! is 1. The conversion for an 8-bit target happens once, at the end: `shown = curve(light · 2^EV)`, dithered and encoded
+//! (`shaders/common/displayed.wgsl`). A float target receives the light itself.
 //!
 //! | file | what |
 //! |---|---|
-//! | `exposure.rs` | exposure values, fixed or metered, and how a metered one follows in time |
-//! | `meter.rs` | the exposure that a view asks for |
-//! | `display_slope.rs` | how steeply those curves rise |
-//! | `bloom.rs` | light that a lens scatters before that |
-//! | `aperture.rs` | light that its aperture diffracts |
-//! | `ghosts.rs` | images of the aperture that reflections in it make |
+//! | `exposure.rs` | exposure values, fixed or metered, and adaptation over time |
+//! | `meter.rs` | metered exposure of a view |
+//! | `display_slope.rs` | slopes of those curves |
+//! | `bloom.rs` | light scattered by a lens |
+//! | `aperture.rs` | light diffracted by its aperture |
+//! | `ghosts.rs` | images of the aperture by internal reflections |
 //! | `srgb.rs` | encoding of display values |
 //! | `tone.rs` | tone curves, the shaders' twins |
-//! | `agx.rs` | one of them |
-//! | `grade.rs`, `white_balance.rs`, `grain.rs` | what a camera does to light before the curve, and after it |
-//! | `hdr.rs` | the same for displays of high dynamic range |
+//! | `agx.rs` | the AgX curve |
+//! | `grade.rs`, `white_balance.rs`, `grain.rs` | camera processing before and after the curve |
+//! | `hdr.rs` | output for displays of high dynamic range |
 //! | `response.rs` | measured camera responses |
-//! | `response_text.rs` | their files |
+//! | `response_text.rs` | their file format |
 
 pub mod agx;
 mod aperture;

@@ -1,4 +1,4 @@
-//! Measured camera responses: what brightness a film or a detector gives irradiance.
+//! Measured camera responses: brightness of a film or detector as a function of irradiance.
 
 use super::srgb::{encoded, linear_from_encoded};
 use glam::DVec3;
@@ -7,20 +7,19 @@ use std::hash::{Hash, Hasher};
 use std::ops::RangeInclusive;
 use std::sync::{Mutex, PoisonError};
 
-/// A measured camera response, by which [`Tone::Measured`](super::Tone::Measured) shows light.
+/// A measured camera response, with which [`Tone::Measured`](super::Tone::Measured) displays light.
 ///
-/// Exposed light of 1 is the irradiance 1 of the measurement, the least that saturates it. With the default exposure of 0.5 EV, light of 0.71
-/// times a white sheet that faces the Sun in space is. Brightness is the value of a pixel, encoded as sRGB. Each channel has its own curve, or
-/// all have the same: greys stay grey where all have the same, and the hue of bright colours moves towards that of their largest channels until all
-/// are white, as on film.
+/// Exposed light of 1 is irradiance 1 of the measurement, the least that saturates it. At the default exposure of 0.5 EV, that is light of 0.71 times
+/// a white sheet facing the Sun in space. Brightness is a pixel value, encoded as sRGB. Each channel has its own curve, or all share one. Greys stay
+/// grey if all channels share a curve. The hue of bright colours moves towards that of their largest channels until all are white, as on film.
 ///
-/// A handle that is copied. Equal responses are stored once, for as long as the program runs: 16 KiB each.
+/// This is a copyable handle. Equal responses are stored once, for the lifetime of the program: 16 KiB each.
 #[derive(Clone, Copy)]
 pub struct Response(&'static ResponseTable);
 
-/// The samples of a response.
+/// Samples of a response.
 struct ResponseTable {
-    /// Its place among all responses of the program.
+    /// Index among all responses of the program.
     index: usize,
     name: String,
     /// Brightness of red, green and blue, 0…1, at irradiances evenly spaced over 0…1. The fourth number is unused.
@@ -34,7 +33,8 @@ impl Response {
     /// Samples of each channel, as in the files of CAVE.
     pub const SAMPLES: usize = 1024;
 
-    /// Of curves for red, green and blue: brightness at [`Self::SAMPLES`] irradiances evenly spaced over 0…1.
+    /// Creates a response from curves for red, green and blue: brightness at [`Self::SAMPLES`] irradiances
+    /// evenly spaced over 0…1.
     pub(super) fn of_curves(name: &str, [red, green, blue]: [&[f32]; 3]) -> Self {
         let channels = red.iter().zip(green).zip(blue);
         let samples = channels.map(|((red, green), blue)| [*red, *green, *blue, 0.0]);
@@ -54,18 +54,18 @@ impl Response {
         Self(table)
     }
 
-    /// Its name in the file.
+    /// Name in the file.
     pub fn name(self) -> &'static str {
         &self.0.name
     }
 
-    /// Brightness of red, green and blue, 0…1, at irradiances evenly spaced over 0…1: the texels that the shader reads. The fourth number is
+    /// Brightness of red, green and blue, 0…1, at irradiances evenly spaced over 0…1. These are the shader's texels. The fourth number is
     /// unused.
     pub fn samples(self) -> &'static [[f32; 4]] {
         &self.0.samples
     }
 
-    /// Brightness of exposed light in each channel, 0…1, as encoded values of pixels: linear between samples.
+    /// Brightness of exposed light per channel, 0…1, as encoded pixel values: linear between samples.
     pub fn brightness(self, light: DVec3) -> DVec3 {
         DVec3::from_array(std::array::from_fn(|channel| {
             let at = light[channel].clamp(0.0, 1.0) * LAST as f64;
@@ -80,7 +80,7 @@ impl Response {
         self.brightness(light).map(linear_from_encoded)
     }
 
-    /// The least light that is shown as this linear display light; of what it never shows, the light that is shown as the nearest.
+    /// The least light displayed as this linear display light. If none is, the light displayed as the nearest value.
     pub(super) fn light_shown_as(self, shown: DVec3) -> DVec3 {
         DVec3::from_array(std::array::from_fn(|channel| {
             let wanted = encoded(shown[channel]);
@@ -96,7 +96,7 @@ impl Response {
         }))
     }
 
-    /// How steeply brightness rises with light, at most, where light of each channel is within this range.
+    /// Largest slope of brightness over light, for light within this range in each channel.
     pub(super) fn steepest(self, light: &RangeInclusive<f64>) -> DVec3 {
         let sample = |light: f64| (light.clamp(0.0, 1.0) * LAST as f64) as usize;
         if *light.start() >= 1.0 {
@@ -178,7 +178,7 @@ mod tests {
             let wanted = light.powf(1.0 / 2.2);
             assert!((code - wanted).abs() < 1e-3, "{light}: {code}, {wanted}");
         }
-        // Irradiance of 1 saturates, and so does more.
+        // Irradiance of 1 and above saturates.
         assert_eq!(gamma.brightness(DVec3::splat(7.0)), DVec3::ONE);
         assert_eq!(gamma.brightness(DVec3::splat(-1.0)), DVec3::ZERO);
     }
@@ -194,7 +194,7 @@ mod tests {
 
     #[test]
     fn light_is_found_again_from_what_is_shown() {
-        // One that is flat at both ends.
+        // A curve that is flat at both ends.
         let flat = response("flat", |x| ((x - 0.1) / 0.8).clamp(0.0, 1.0));
         for response in [flat, response("s", s_curve)] {
             let tone = Tone::Measured(response);
@@ -208,7 +208,8 @@ mod tests {
         assert!(flat.light_shown_as(DVec3::ZERO).x < 0.101);
     }
 
-    /// Greys stay grey, the order of channels stays, and a bright colour's hue moves towards white by its largest channels.
+    /// Greys stay grey, the order of channels is kept, and a bright colour's hue moves towards white by its largest
+    /// channels.
     #[test]
     fn hue_is_kept_in_order_and_not_in_angle() {
         let tone = Tone::Measured(response("s", s_curve));

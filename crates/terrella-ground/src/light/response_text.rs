@@ -1,40 +1,40 @@
-//! Files of camera responses in the format of Columbia University's database DoRF.
+//! Camera response files in the format of Columbia University's database DoRF.
 //!
 //! Source: Grossberg and Nayar 2003, "What is the space of camera response functions?", CVPR, and the file `dorfCurves.txt` that they
-//! publish. Each curve has six lines: its name, its type, `I =`, irradiances, `B =`, brightness. Both lists have 1024 numbers of 0…1.
+//! publish. Each curve has six lines: its name, its type, `I =`, irradiances, `B =`, brightness. Both lists have 1024 numbers in 0…1.
 
 use super::Response;
 
-/// Largest file of responses, bytes; the whole database has 5 MB.
+/// Maximum file size, bytes; the whole database has 5 MB.
 pub const MAX_RESPONSE_BYTES: u64 = 16 << 20;
-/// Most numbers of one list.
+/// Maximum numbers of one list.
 const MAX_NUMBERS: usize = 4096;
-/// Most characters of a name.
+/// Maximum characters of a name.
 const MAX_NAME: usize = 100;
-/// Most names in a message.
+/// Maximum names in a message.
 const MAX_LISTED: usize = 30;
-/// Ends of names of curves that belong together.
+/// Name endings of the curves of one group.
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
-/// Why a text holds no camera response.
+/// Why a text contains no camera response.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum ResponseError {
-    /// A line that is not what must come there.
+    /// A line that does not match the format.
     #[error(
         "line {line}: {problem}; a curve is a name, a type, \"I =\", its numbers, \"B =\" and as many numbers"
     )]
     Line { line: usize, problem: String },
-    /// The curve of a name is not there.
+    /// No curve has the given name.
     #[error("there is no response named {name:?}; the file has {known}")]
     Unknown { name: String, known: String },
-    /// Several curves, and no name.
+    /// Several curves without a chosen name.
     #[error("the file has several responses; give the name of one: {known}")]
     Several { known: String },
 }
 
-/// A curve of the file.
+/// A curve in the file.
 struct Curve {
     name: String,
     /// Brightness at [`Response::SAMPLES`] irradiances.
@@ -52,12 +52,12 @@ impl Response {
 
     /// Reads a response from a text in the format of DoRF.
     ///
-    /// `name` is that of a curve, which is then used for all channels, or what comes before `Red`, `Green` and `Blue` in the names of three curves.
-    /// Without a name the file must have one curve, or one such group of three. Irradiances may be spaced unevenly; the response is
-    /// sampled again at even ones.
+    /// `name` is that of a curve, which then serves all channels. Or it is the part before `Red`, `Green` and `Blue` in the names of three curves.
+    /// Without a name the file must contain one curve or one such group of three. Irradiances may be unevenly spaced; the response is resampled at
+    /// even ones.
     ///
     /// # Errors
-    /// A text that has another form, numbers that do not rise or leave 0…1, a name that is not there.
+    /// A text in another format, numbers that do not increase or leave 0…1, or an unknown name.
     pub fn read(text: &str, name: Option<&str>) -> Result<Self, ResponseError> {
         let curves = curves(text)?;
         let find = |name: &str| curves.iter().find(|curve| curve.name == name);
@@ -89,7 +89,7 @@ impl Response {
     }
 }
 
-/// Curves whose names differ in the channel alone, by what is before that.
+/// Groups of curves whose names differ only in the channel, with the part before the channel.
 fn groups(curves: &[Curve]) -> Vec<(&str, [&Curve; 3])> {
     let first = curves.iter().filter_map(|red| {
         let base = base(&red.name, CHANNELS[0])?;
@@ -102,7 +102,7 @@ fn groups(curves: &[Curve]) -> Vec<(&str, [&Curve; 3])> {
     first.collect()
 }
 
-/// What of a name is before this channel at its end.
+/// The part of a name before this channel ending.
 fn base<'n>(name: &'n str, channel: &str) -> Option<&'n str> {
     let at = name.len().checked_sub(channel.len())?;
     let (base, end) = name.split_at_checked(at)?;
@@ -110,7 +110,7 @@ fn base<'n>(name: &'n str, channel: &str) -> Option<&'n str> {
     (end.eq_ignore_ascii_case(channel) && !base.is_empty()).then_some(base)
 }
 
-/// Names for a message: those of groups stand for their curves.
+/// Names for a message; a group's name replaces its curves.
 fn listed(curves: &[Curve], groups: &[(&str, [&Curve; 3])]) -> String {
     let is_grouped = |curve: &Curve| {
         let mut members = groups.iter().flat_map(|(_, members)| members);
@@ -145,7 +145,7 @@ fn curves(text: &str) -> Result<Vec<Curve>, ResponseError> {
             return Err(error(line, format!("a second curve {name:?}")));
         }
         let ended = || error(last, format!("the curve {name:?} ends"));
-        // What the database calls the type of the graph.
+        // The database calls this the type of the graph.
         lines.next().ok_or_else(ended)?;
         let mut list = |letter: char| -> Result<(usize, Vec<f64>), ResponseError> {
             let (line, head) = lines.next().ok_or_else(ended)?;
@@ -216,7 +216,7 @@ fn read_numbers(line: usize, words: &str, numbers: &mut Vec<f64>) -> Result<(), 
     Ok(())
 }
 
-/// Brightness at even irradiances, linear between the given ones and constant beyond them.
+/// Brightness at even irradiances, linear between the given points and constant beyond them.
 fn resampled(irradiance: &[f64], brightness: &[f64]) -> Vec<f32> {
     let last = (Response::SAMPLES - 1) as f64;
     let at = |sample: usize| {
@@ -277,7 +277,7 @@ mod tests {
                 .to_string()
                 .contains("there is no response named \"Film\"")
         );
-        // Alone, none needs a name.
+        // A single curve needs no name.
         let alone = curve("gamma", |x| x);
         Response::read(&alone, None).expect("the only one");
         let three = &text[text.find("someFilmRed").expect("there")..];

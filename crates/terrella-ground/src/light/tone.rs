@@ -1,60 +1,61 @@
-//! Tone curves: how exposed light becomes display light, 0…1. The shaders' twins stand in `shaders/common/displayed.wgsl`.
+//! Tone curves: from exposed light to display light, 0…1. `shaders/common/displayed.wgsl` has the same curves.
 
 use super::agx::{agx, light_by_agx};
 use super::response::Response;
 use crate::air::LUMINANCE;
 use glam::DVec3;
 
-/// Where the neutral curve leaves the identity, and how fast highlights lose colour beyond.
+/// Start of the neutral curve's compression, and the rate at which brighter highlights lose colour.
 pub const NEUTRAL_START: f64 = 0.76;
 pub const NEUTRAL_DESATURATION: f64 = 0.15;
 
-/// The filmic curve's input is scaled by this; its coefficients a…e of x(ax + b)/(x(cx + d) + e).
+/// Input scale of the filmic curve; its coefficients a…e of x(ax + b)/(x(cx + d) + e).
 pub const FILMIC_SCALE: f64 = 0.6;
 pub const FILMIC: [f64; 5] = [2.51, 0.03, 2.43, 0.59, 0.14];
 
-/// The camera curve's toe, for each channel: light x becomes x(x + least·toe)/(x + toe), the darkest light being multiplied by the least.
-/// Blue has most of it, as the haze of the air has.
+/// Toe of the camera curve per channel: light x becomes x(x + least·toe)/(x + toe), so the darkest light is multiplied by `least`. Blue
+/// has the largest toe, because atmospheric haze is mostly blue.
 pub const CAMERA_TOE: DVec3 = DVec3::new(0.02, 0.035, 0.07);
 pub const CAMERA_TOE_LEAST: f64 = 0.1;
-/// Its contrast: x then becomes x(√x + straight), so that light of the night is not lost.
+/// Contrast of the camera curve: x then becomes x(√x + straight), so that night light is not lost.
 pub const CAMERA_STRAIGHT: f64 = 0.04;
-/// Its shoulder: white·x/(x + this), half of white being reached at 0.42 before contrast.
+/// Shoulder of the camera curve: white·x/(x + this); half of white is reached at 0.42 before
+/// contrast.
 pub const CAMERA_HALF_RAISED: f64 = 0.272_190_815_4;
 pub const CAMERA_WHITE: f64 = 1.1;
-/// Its colours are so much farther from grey than that leaves them.
+/// Factor by which it moves colours away from grey afterwards.
 pub const CAMERA_SATURATION: f64 = 1.08;
 
-/// Light beyond this is as this: its square leaves no range, and every curve is at its end.
+/// Limit of light: its square stays finite, and every curve is at its end.
 const BRIGHTEST: f64 = 1e9;
 
-/// By which curve light is shown on an 8-bit target.
+/// Tone curve for an 8-bit target.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Tone {
-    /// A camera's, for pictures that are looked at: a toe that takes the air's haze out of the darks, contrast about a middle grey of
-    /// 0.3 and a shoulder that is white at 1.9, channel by channel as in film, so that highlights go to white.
+    /// A camera curve, for images to look at. Its toe removes atmospheric haze from the darks. It has contrast around a middle grey
+    /// of 0.3, and a shoulder that is white at 1.9. It works per channel as film does, so that highlights go to white.
     #[default]
     Camera,
-    /// The highlights of the Khronos PBR Neutral tone mapper (2024): light up to 0.76 is shown as it is, what is brighter is
-    /// compressed by its brightest channel, so that hue is kept, and fades to white far beyond. The mapper's toe is left out:
-    /// it takes 4 % off, the gloss of a varnish that the Earth has not. For colours that are measured in a picture.
+    /// The highlights of the Khronos PBR Neutral tone mapper (2024), for colours measured in an image. Light up to 0.76 is
+    /// unchanged. Brighter light is compressed by its brightest channel, so hue is kept, and fades to white far beyond. The
+    /// mapper's toe is omitted: it subtracts 4 %, the gloss of a varnish that the Earth does not have.
     Neutral,
-    /// Light as it is, cut off at 1, channel by channel.
+    /// Unchanged light, clipped at 1 per channel.
     Linear,
-    /// A film's contrast, channel by channel: Narkowicz's fit (2016) of the ACES curve, with the scale of 0.6 that he gives for
-    /// it. Hues of highlights change.
+    /// Contrast of a film, per channel: Narkowicz's fit (2016) of the ACES curve, with his scale of 0.6. Hues of highlights
+    /// change.
     Filmic,
-    /// AgX, as Blender, three.js and Filament have it: 16.5 stops, and bright colours that fade to white.
+    /// AgX, as in Blender, three.js and Filament: 16.5 stops, and bright colours that fade to white.
     Agx,
-    /// A measured response of a film or camera, channel by channel. For light that is developed after the pass.
+    /// A measured response of a film or camera, per channel. For light that is developed after the pass.
     #[cfg_attr(feature = "serde", serde(skip))]
     Measured(Response),
 }
 
 impl Tone {
-    /// All that need no file.
+    /// All curves that need no file.
     pub const ALL: [Self; 5] = [
         Self::Camera,
         Self::Neutral,
@@ -63,7 +64,7 @@ impl Tone {
         Self::Agx,
     ];
 
-    /// Display light, 0…1 in each channel, of exposed light, which is not negative.
+    /// Display light, 0…1 per channel, of exposed light, which must not be negative.
     pub fn shown(self, light: DVec3) -> DVec3 {
         let light = light.clamp(DVec3::ZERO, DVec3::splat(BRIGHTEST));
         let shown = match self {
@@ -81,8 +82,8 @@ impl Tone {
         shown.clamp(DVec3::ZERO, DVec3::ONE)
     }
 
-    /// Exposed light that is shown as this display light, 0…1 in each channel: what gives a line of a chosen colour that colour in a picture
-    /// that is developed afterwards. Of colours that the curve never shows, a near one's.
+    /// Exposed light that is displayed as this display light, 0…1 per channel. A line of a chosen colour needs it to keep that colour in an
+    /// image developed later. For a colour that the curve never shows, light of a similar one.
     pub fn light_shown_as(self, shown: DVec3) -> DVec3 {
         let shown = shown.clamp(DVec3::ZERO, DVec3::ONE);
         match self {
@@ -97,7 +98,7 @@ impl Tone {
             Self::Linear => shown,
             Self::Filmic => shown.map(|y| {
                 let [a, b, c, d, e] = FILMIC;
-                // (a − yc)x² + (b − yd)x − ye = 0, the first of them positive.
+                // (a − yc)x² + (b − yd)x − ye = 0, with a positive first coefficient.
                 positive_root(a - y * c, b - y * d, y * e) / FILMIC_SCALE
             }),
             Self::Agx => light_by_agx(shown),
@@ -105,7 +106,7 @@ impl Tone {
         }
     }
 
-    /// The response, of a measured one.
+    /// The response of a measured curve.
     pub fn response(self) -> Option<Response> {
         match self {
             Self::Measured(response) => Some(response),
@@ -114,7 +115,7 @@ impl Tone {
     }
 }
 
-/// The positive x of ax² + bx = c, a > 0 and c ≥ 0: no difference of like numbers.
+/// The positive x of ax² + bx = c, a > 0 and c ≥ 0, without a difference of similar numbers.
 fn positive_root(a: f64, b: f64, c: f64) -> f64 {
     let root = (b * b + 4.0 * a * c).sqrt();
     match b > 0.0 {
@@ -123,7 +124,7 @@ fn positive_root(a: f64, b: f64, c: f64) -> f64 {
     }
 }
 
-/// Light of one channel that the camera's curve shows so, before its saturation.
+/// Light of one channel that the camera curve displays as this, before its saturation.
 fn light_by_camera(shown: f64, toe: f64) -> f64 {
     let shown = shown.clamp(0.0, 1.0);
     let raised = CAMERA_HALF_RAISED * shown / (CAMERA_WHITE - shown);
@@ -145,7 +146,7 @@ fn light_by_neutral(shown: DVec3) -> DVec3 {
         return shown;
     }
     let room = 1.0 - NEUTRAL_START;
-    // White itself is reached by no light; a third of a code below it is.
+    // No light reaches white itself; a third of a code below it is reachable.
     let shown_peak = shown_peak.min(1.0 - 1.0 / 768.0);
     let peak = room * room / (1.0 - shown_peak) - room + NEUTRAL_START;
     let white = 1.0 - 1.0 / (NEUTRAL_DESATURATION * (peak - shown_peak) + 1.0);
@@ -176,7 +177,7 @@ fn neutral(light: DVec3) -> DVec3 {
 mod tests {
     use super::*;
 
-    /// Hue angle, radians, of the hexagon that HSV has.
+    /// Hue angle, radians, on the HSV hexagon.
     fn hue(color: DVec3) -> f64 {
         let across = 3.0_f64.sqrt() * (color.y - color.z);
         across.atan2(2.0 * color.x - color.y - color.z)
@@ -190,7 +191,7 @@ mod tests {
             for step in 0..=4000 {
                 let light = tint * (f64::from(step) * 0.01 - 20.0).exp2();
                 let shown = tone.shown(light);
-                // Of AgX a bright channel falls a little while the others reach white.
+                // In AgX a bright channel falls slightly while the others reach white.
                 let room = if tone == Tone::Agx { 0.006 } else { 1e-12 };
                 assert!(
                     shown.cmpge(before - room).all(),
@@ -207,12 +208,12 @@ mod tests {
     #[test]
     fn the_camera_shows_space_black_clouds_white_and_grey_grey() {
         let code = |light: DVec3| Tone::Camera.shown(light).powf(1.0 / 2.2) * 255.0;
-        // The clear sea with the air before it, and a thick cloud, at the default exposure.
+        // The clear sea under the atmosphere, and a thick cloud, at the default exposure.
         let sea = code(DVec3::new(0.03, 0.06, 0.13) * 2.0_f64.sqrt());
         assert!(sea.x < 55.0 && sea.y < 85.0 && sea.z < 130.0, "{sea}");
         let cloud = code(DVec3::splat(0.72 * 2.0_f64.sqrt()));
         assert!(cloud.min_element() > 225.0, "{cloud}");
-        // What is grey in the light is a little yellow in the darks, where haze is taken out of it, and grey from the middle on.
+        // Grey light is slightly yellow in the darks, where haze is removed, and grey from the middle on.
         let middle = code(DVec3::splat(0.5));
         assert!(
             middle.max_element() - middle.min_element() < 14.0,
@@ -221,8 +222,8 @@ mod tests {
         assert_eq!(Tone::Camera.shown(DVec3::splat(4.0)), DVec3::ONE);
     }
 
-    /// The darkest channel stays the darkest: no colour turns into its opposite, and none leaves the sector of its hue's two
-    /// neighbours.
+    /// The darkest channel stays the darkest. No colour turns into its opposite, and none leaves the hue sector between its
+    /// two neighbours.
     #[test]
     fn the_camera_keeps_the_order_of_channels_in_the_light() {
         for tint in [
@@ -253,8 +254,8 @@ mod tests {
                     let light = tone.light_shown_as(wanted);
                     assert!(light.is_finite() && light.cmpge(DVec3::ZERO).all());
                     let got = code(tone.shown(light));
-                    // Highlights of the neutral curve fade: it shows no bright pure colour.
-                    // AgX shows no pure colours.
+                    // Highlights of the neutral curve fade, so it shows no bright pure colour. AgX
+                    // shows no pure colours.
                     let is_shown = match tone {
                         Tone::Neutral => red.max(green) < 220.0,
                         Tone::Agx => [red, green].iter().all(|code| *code == 128.0),
@@ -267,7 +268,7 @@ mod tests {
         }
     }
 
-    /// Light, and what three.js shows of it.
+    /// Light, and the value that three.js displays for it.
     const AGX_BY_THREE_JS: [([f64; 3], [f64; 3]); 6] = [
         ([0.18, 0.18, 0.18], [0.2145486, 0.2145024, 0.2144992]),
         ([1.0, 1.0, 1.0], [0.5902294, 0.5901361, 0.5901023]),
@@ -277,7 +278,7 @@ mod tests {
         ([30.0, 30.0, 60.0], [0.9969783, 0.9968787, 0.996779]),
     ];
 
-    /// Beside the formula of three.js, evaluated in Python by its shader's constants, in the order in which that applies them.
+    /// Compares with the formula of three.js, evaluated in Python with its shader's constants in the same order.
     #[test]
     fn agx_shows_what_three_js_shows() {
         for (light, shown) in AGX_BY_THREE_JS {
@@ -293,7 +294,7 @@ mod tests {
             let shown = Tone::Neutral.shown(tint * light);
             assert!((hue(shown) - hue(tint)).abs() < 1e-9, "{light}: {shown}");
         }
-        // The clipped curve does not, or this test could not fail.
+        // The clipped curve changes it; otherwise this test could not fail.
         let clipped = Tone::Linear.shown(tint * 3.0);
         assert!((hue(clipped) - hue(tint)).abs() > 0.1);
     }

@@ -1,15 +1,15 @@
-//! White balance: the light of a colour temperature is shown white.
+//! White balance: light of a colour temperature appears white.
 
 use glam::{DMat3, DVec2, DVec3};
 use std::ops::RangeInclusive;
 
-/// Which light is shown white: that of a black body, moved off the Planckian locus by the tint.
+/// The light that appears white: a black body, offset from the Planckian locus by the tint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WhiteBalance {
-    /// Correlated colour temperature of the light that is shown white, kelvins. Below 6500 a picture becomes bluer, above redder.
+    /// Correlated colour temperature of the light that appears white, kelvins. Below 6500 an image becomes bluer, above redder.
     pub temperature_k: f64,
-    /// How much greener than the black body that light is: 1 is a distance of 1/3000 from the Planckian locus in the CIE 1960 UCS diagram. Positive
-    /// numbers make a picture more magenta, negative ones greener.
+    /// Offset of that light from the black body towards green. 1 is a distance of 1/3000 from the Planckian locus in the CIE 1960 UCS diagram.
+    /// Positive numbers make an image more magenta, negative ones greener.
     pub tint: f64,
 }
 
@@ -32,13 +32,13 @@ const BRADFORD: DMat3 = DMat3::from_cols(
 );
 
 impl WhiteBalance {
-    /// Of [`Self::temperature_k`].
+    /// Range of [`Self::temperature_k`].
     pub const TEMPERATURES_K: RangeInclusive<f64> = 2000.0..=12_000.0;
-    /// Of [`Self::tint`].
+    /// Range of [`Self::tint`].
     pub const TINTS: RangeInclusive<f64> = -150.0..=150.0;
 
-    /// Linear light of sRGB's primaries after the balance, from that before it: von Kries' adaptation from the chosen white to D65 in Bradford's
-    /// cone responses.
+    /// Matrix from linear light of sRGB's primaries before the balance to that after it. It is von Kries adaptation from the chosen white to D65
+    /// in Bradford's cone responses.
     pub fn matrix(&self) -> DMat3 {
         let xyz_from_rgb = xyz_from_rgb();
         let [from, to] = [self.white(), D65].map(|white| BRADFORD * xyz(white));
@@ -46,11 +46,11 @@ impl WhiteBalance {
         xyz_from_rgb.inverse() * adapted * xyz_from_rgb
     }
 
-    /// Chromaticity x, y of the light that is shown white.
+    /// Chromaticity x, y of the light that appears white.
     pub fn white(&self) -> DVec2 {
         const STEP_K: f64 = 1.0;
         let at = |offset_k: f64| planckian_uv(self.temperature_k + offset_k);
-        // Towards higher temperatures u and v fall; green lies above the locus.
+        // Towards higher temperatures u and v fall; green is above the locus.
         let along = (at(STEP_K) - at(-STEP_K)).normalize();
         let greener = DVec2::new(along.y, -along.x);
         let uv = at(0.0) + self.tint * DISTANCE_PER_TINT * greener;
@@ -71,13 +71,13 @@ fn planckian_uv(temperature_k: f64) -> DVec2 {
     )
 }
 
-/// XYZ of a chromaticity, Y being 1.
+/// XYZ of a chromaticity with Y = 1.
 fn xyz(chromaticity: DVec2) -> DVec3 {
     let DVec2 { x, y } = chromaticity;
     DVec3::new(x, y, 1.0 - x - y) / y
 }
 
-/// XYZ of linear light of sRGB's primaries, white being D65 of Y = 1.
+/// XYZ from linear light of sRGB's primaries; white is D65 with Y = 1.
 fn xyz_from_rgb() -> DMat3 {
     let [red, green, blue] = PRIMARIES.map(xyz);
     let primaries = DMat3::from_cols(red, green, blue);
@@ -89,8 +89,8 @@ fn xyz_from_rgb() -> DMat3 {
 mod tests {
     use super::*;
 
-    /// By colour-science 0.4.7: `CCT_to_uv` by Krystek 1985 for tint 0, `matrix_chromatic_adaptation_VonKries` with Bradford, sRGB's
-    /// matrices from its primaries; what light of 1, 0.5 and 0.25 becomes.
+    /// Reference values of colour-science 0.4.7: `CCT_to_uv` by Krystek 1985 for tint 0, `matrix_chromatic_adaptation_VonKries` with
+    /// Bradford, sRGB's matrices from its primaries. The last numbers are the result for light of 1, 0.5 and 0.25.
     const BY_COLOUR: &[(f64, [f64; 2], [f64; 3])] = &[
         (
             2000.0,
@@ -167,7 +167,7 @@ mod tests {
         let (warm, cold) = (shown(3200.0, 0.0), shown(10_000.0, 0.0));
         assert!(warm.z > 1.5 && warm.x < 0.8, "{warm}");
         assert!(cold.z < 0.9 && cold.x > 1.05, "{cold}");
-        // D65 lies 0.003 above the locus, which is a tint of 9.6.
+        // D65 is 0.003 above the locus, which is a tint of 9.6.
         let near = shown(6504.0, 9.6);
         assert!((near - DVec3::ONE).abs().max_element() < 5e-3, "{near}");
         let magenta = shown(6504.0, 60.0);

@@ -1,4 +1,4 @@
-//! The entries of one satellite, checked and turned into elements.
+//! Checks the entries of one satellite and converts them to elements.
 
 use super::super::entry::{Entry, Fields, RecordError, RecordFault, TextPosition, printable};
 use super::super::iso8601;
@@ -6,7 +6,7 @@ use super::super::tle_fields::catalogue_number;
 use crate::MeanElements;
 use std::path::Path;
 
-/// The keys that are looked at and the units they may say they are in; all others are skipped, `USER_DEFINED_…` too.
+/// Keys that are read, and the units they may state. All others are skipped, including `USER_DEFINED_…`.
 const KEYS: [(&str, &str); 21] = [
     ("OBJECT_NAME", ""),
     ("OBJECT_ID", ""),
@@ -31,20 +31,21 @@ const KEYS: [(&str, &str); 21] = [
     ("MEAN_MOTION_DDOT", "rev/day**3"),
 ];
 
-/// Where a record is from.
+/// Origin of a record.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum OmmSource {
-    /// A message of CCSDS 502.0: frame, time system, centre and theory must be said.
+    /// A message of CCSDS 502.0: frame, time system, centre and theory are required.
     Message,
-    /// JSON or CSV of a catalogue, which may leave them out: TEME, UTC, the Earth and SGP4, as catalogues have them.
+    /// JSON or CSV of a catalogue, which may omit them. The defaults are those of catalogues: TEME, UTC, the Earth
+    /// and SGP4.
     Catalogue,
 }
 
-/// What has been read of one satellite.
+/// Entries read for one satellite.
 pub struct ElementEntries(Fields);
 
 impl ElementEntries {
-    /// Empty; `what` names it in errors, `place` is where it begins.
+    /// Empty; `what` is its name in errors, `place` its start.
     pub fn new(what: &'static str, place: TextPosition) -> Self {
         Self(Fields::new(what, place, &KEYS))
     }
@@ -56,7 +57,7 @@ impl ElementEntries {
     /// The keys that name the satellite.
     pub const NAMES: [&str; 3] = ["OBJECT_NAME", "NORAD_CAT_ID", "OBJECT_ID"];
 
-    /// What the satellite is called, as far as that has been read.
+    /// Names of the satellite, as far as read.
     pub fn names(&self) -> Vec<String> {
         let entries = Self::NAMES.iter().filter_map(|key| self.0.get(key));
         entries.map(|entry| entry.value.to_string()).collect()
@@ -67,7 +68,7 @@ impl ElementEntries {
         self.0.add(entry, origin)
     }
 
-    /// Rejects a value that is none of `accepted`, and in a message that there is none.
+    /// Rejects a value outside `accepted`; in a message, also rejects a missing value.
     fn check(
         &self,
         key: &'static str,
@@ -84,7 +85,7 @@ impl ElementEntries {
         }
     }
 
-    /// The elements, if all are there and SGP4's.
+    /// The elements, if complete and made for SGP4.
     pub fn elements(&self, origin: &Path, source: OmmSource) -> Result<MeanElements, RecordError> {
         self.check_meaning(origin, source)?;
         let number = |key, range, expected| {
@@ -108,7 +109,7 @@ impl ElementEntries {
             None => Ok(0),
         };
         let name = match (self.0.get("OBJECT_NAME"), self.0.get("NORAD_CAT_ID")) {
-            // Lists of many catalogues have numbers alone.
+            // Lists of many catalogues have only numbers.
             (None, Some(_)) if source == OmmSource::Catalogue => "",
             _ => self.0.must("OBJECT_NAME", "", origin)?.value.trim(),
         };
@@ -156,7 +157,7 @@ impl ElementEntries {
         })
     }
 
-    /// Rejects what SGP4 would fly wrongly.
+    /// Rejects elements that SGP4 would propagate incorrectly.
     fn check_meaning(&self, origin: &Path, source: OmmSource) -> Result<(), RecordError> {
         for (key, accepted, remedy) in [
             (
@@ -183,7 +184,7 @@ impl ElementEntries {
             self.check(key, &accepted, remedy, source, origin)?;
         }
         match self.0.get("EPHEMERIS_TYPE") {
-            // 0 in distributed sets, in old ones 2 or 3 (SGP4, SDP4); 4 is SGP4-XP.
+            // 0 in distributed sets; 2 or 3 (SGP4, SDP4) in old ones; 4 is SGP4-XP.
             Some(entry) if !matches!(whole(&entry.value), Some(0 | 2 | 3)) => {
                 Err(entry.unsupported(origin, "only sets made for SGP4 (0) can be flown with it"))
             }

@@ -1,4 +1,4 @@
-//! Elements in JSON: an array of objects, one object, an array that an object of a server wraps, or an object a line.
+//! Elements in JSON: an array of objects, one object, an array inside a server's object, or one object per line.
 
 use super::super::entry::{MAX_ENTRIES, RecordError, RecordFault};
 use super::super::text::json::Document;
@@ -9,7 +9,7 @@ use serde_json::value::RawValue;
 use std::path::Path;
 use terrella_files::excerpt;
 
-/// How many objects may stand around the array of satellites.
+/// Maximum number of objects around the array of satellites.
 const MAX_WRAPPERS: usize = 4;
 
 /// Calls `each` for every satellite.
@@ -64,7 +64,8 @@ fn read(document: &Document<'_>, value: &RawValue) -> Read {
     elements(&record, document.origin, OmmSource::Catalogue)
 }
 
-/// The array of satellites in an object that has no elements of its own, as `{"results": […]}`; `None` in one that has.
+/// The array of satellites inside an object that has no elements itself, as `{"results": […]}`. `None` for an object
+/// with elements.
 fn wrapped<'t>(
     document: &Document<'t>,
     value: &'t RawValue,
@@ -73,7 +74,7 @@ fn wrapped<'t>(
     if collect_lists(document, value, MAX_WRAPPERS, &mut lists)? {
         return Ok(None);
     }
-    // A list of messages may stand beside that of the satellites.
+    // A list of messages may accompany the list of satellites.
     let has_elements = |list: &&RawValue| list.get().contains("\"MEAN_MOTION\"");
     if lists.iter().any(has_elements) {
         lists.retain(has_elements);
@@ -94,7 +95,7 @@ fn wrapped<'t>(
     }
 }
 
-/// Collects the arrays of objects within an object, and in those within it; whether the object is a satellite itself.
+/// Collects the arrays of objects within an object, recursively. Returns whether the object is a satellite itself.
 fn collect_lists<'t>(
     document: &Document<'t>,
     value: &'t RawValue,

@@ -9,7 +9,7 @@ use crate::OrbitError;
 use std::borrow::Cow;
 use std::path::Path;
 
-/// Columns without which no row can be flown. A table without names must have numbers.
+/// Columns required for propagation. A table without names must have numbers.
 const NEEDED: [&str; 8] = [
     "EPOCH",
     "MEAN_MOTION",
@@ -21,8 +21,8 @@ const NEEDED: [&str; 8] = [
     "BSTAR",
 ];
 
-/// Whether a text is a table of mean elements: its header names the mean motion, or two other elements and no position. Capitals are not
-/// asked for here, but by the reader, which says so.
+/// Whether a text is a table of mean elements: its header names the mean motion, or two other elements and no position. The test ignores
+/// case; the reader requires capitals and reports an error.
 pub fn has_element_columns(text: &str) -> bool {
     let Some((_, header, separator)) = csv::header(text) else {
         return false;
@@ -41,11 +41,11 @@ pub fn has_element_columns(text: &str) -> bool {
             && !fields.any(|name| matches!(name, "x_km" | "x_m"))
 }
 
-/// What a table lacks that is none of elements; `None` of a text that is no table.
+/// The columns that a table lacks if it has no elements; `None` if the text is not a table.
 pub fn missing_columns(text: &str, origin: &Path) -> Option<RecordError> {
     let (line, header, separator) = csv::header(text)?;
     let header = csv::fields(header, separator).filter(|fields| fields.len() > 2)?;
-    // Two-line elements with tabs have numbers in their place.
+    // Two-line elements separated by tabs have numbers where a header would be.
     let is_header = header.iter().all(|field| number(&field.text).is_none());
     is_header.then(|| check_columns(&header, line, origin).err())?
 }

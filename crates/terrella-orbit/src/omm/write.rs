@@ -1,13 +1,13 @@
-//! OMM out, in KVN.
+//! Writes OMM in KVN.
 
 use super::super::write_ccsds::{Header, one_line, real};
 use crate::MeanElements;
 use std::fmt::Write;
 use terrella_frames::{TimeScale, ccsds_time};
 
-/// Writes elements as OMM (CCSDS 502.0-B-2, KVN), a message for each satellite, one after the other.
+/// Writes elements as OMM (CCSDS 502.0-B-2, KVN), one message per satellite in sequence.
 ///
-/// Every number has as many digits as it takes to read the same one back; dates have all their nanoseconds.
+/// Every number has enough digits for an exact round trip; dates have all their nanoseconds.
 pub fn write_omm(elements: &[MeanElements], header: &Header) -> String {
     let mut text = String::new();
     for one in elements {

@@ -1,4 +1,4 @@
-//! What GDAL writes beside a map: a mask in `NAME.tif.msk`, and the numbers that stand for nothing in `NAME.tif.aux.xml`.
+//! GDAL's files beside a map: a mask in `NAME.tif.msk`, and no-data values in `NAME.tif.aux.xml`.
 
 use super::sample::sample;
 use super::{FileContext, Opacity, RowSource, SampleKind, SourceInfo};
@@ -12,7 +12,7 @@ use terrella_ground::elevation::tiff_gaps::{TiffGapError, TiffMask};
 use tiff::TiffError;
 use tiff::decoder::Decoder;
 
-/// The files that are looked for beside a map.
+/// Files that may accompany a map.
 pub(crate) fn files_beside(path: &Path) -> [PathBuf; 2] {
     [".aux.xml", ".msk"].map(|ending| {
         let mut name = path.as_os_str().to_owned();
@@ -21,12 +21,12 @@ pub(crate) fn files_beside(path: &Path) -> [PathBuf; 2] {
     })
 }
 
-/// A map without the texels that what lies beside it takes away.
+/// A map without the texels that its accompanying files exclude.
 struct BesideRows {
     inner: Box<dyn RowSource>,
     info: SourceInfo,
     mask: Option<SideMask>,
-    /// A number for each colour.
+    /// One value per colour.
     no_data: Option<Vec<f32>>,
     given: u32,
     row: Vec<u8>,
@@ -39,7 +39,7 @@ struct SideMask {
     context: FileContext,
 }
 
-/// Takes away from a map what the files beside it say is not there.
+/// Removes the texels of a map that its accompanying files declare missing.
 pub(super) fn without_gaps(
     inner: Box<dyn RowSource>,
     path: &Path,
@@ -69,7 +69,7 @@ pub(super) fn without_gaps(
     }))
 }
 
-/// Colours of a texel that is stored so.
+/// Number of colours of a stored texel.
 fn colours(info: &SourceInfo) -> usize {
     info.channels - usize::from(info.opacity.is_some())
 }
@@ -191,7 +191,7 @@ impl RowSource for BesideRows {
     }
 }
 
-/// Writes that something is there.
+/// Writes the value of full opacity.
 fn full(kind: SampleKind, sample: &mut [u8]) {
     match kind {
         SampleKind::F32 => sample.copy_from_slice(&1f32.to_ne_bytes()),

@@ -1,11 +1,11 @@
-//! Where a GeoTIFF says that it lies.
+//! Georeference in the tags of a GeoTIFF.
 
 use terrella_ground::elevation::geo_tags::{GeoTags, RASTER_TYPE, System};
 
 const RASTER_POINT: u16 = 2;
 
-/// Where a map's texels lie by its tags or its world file, in the unit of its system: the corner of the first, and their size to the
-/// east and to the south.
+/// Texel positions of a map by its tags or its world file, in the unit of its system. It has the corner of the first texel, and the
+/// size to the east and to the south.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct TagGrid {
     pub left: f64,
@@ -15,7 +15,7 @@ pub(crate) struct TagGrid {
 }
 
 impl TagGrid {
-    /// The same of a map that runs from south to north, turned over: its texels are so many rows.
+    /// Flips a map that runs from south to north and has this many rows.
     pub(crate) fn north_up(self, rows: u32) -> Self {
         Self {
             top: self.top - self.scale_y * f64::from(rows),
@@ -24,7 +24,7 @@ impl TagGrid {
         }
     }
 
-    /// The same in another unit, of which so many of its own make one.
+    /// Converts to a unit that equals `unit` of the current ones.
     pub(crate) fn in_units_of(self, unit: f64) -> Self {
         Self {
             left: self.left / unit,
@@ -34,10 +34,10 @@ impl TagGrid {
         }
     }
 
-    /// What is wrong if a map with this grid in degrees is not the whole globe with its left edge at 180° W, north up. `said_by` is
-    /// what says so.
+    /// The complaint about a map with this grid in degrees, unless it is the whole globe with its left edge at 180° W, north up. `said_by` names the
+    /// source of the grid.
     ///
-    /// A texel of tolerance: maps whose texels stand on whole degrees (grid-registered, 21 601 × 10 801) are taken.
+    /// The tolerance is one texel, so maps with texels on whole degrees (grid-registered, 21 601 × 10 801) are accepted.
     pub(crate) fn complaint(&self, width: u32, height: u32, said_by: &str) -> Option<String> {
         let Self { left, top, .. } = *self;
         let (right, bottom) = (
@@ -58,7 +58,7 @@ impl TagGrid {
     }
 }
 
-/// Where the texels lie; `None` of tags that do not say it, an error of those that turn the map.
+/// Texel positions; `None` if the tags do not state them, an error if they rotate the map.
 pub(crate) fn grid_of(tags: &GeoTags) -> Result<Option<TagGrid>, String> {
     if tags.is_unplaced() {
         return Ok(None);
@@ -78,7 +78,7 @@ pub(crate) fn grid_of(tags: &GeoTags) -> Result<Option<TagGrid>, String> {
         ),
         _ => return Ok(None),
     };
-    // The point may be the texel's centre.
+    // The point may be the centre of the texel.
     let half = if tags.key(RASTER_TYPE) == Some(RASTER_POINT) {
         0.5
     } else {
@@ -92,7 +92,7 @@ pub(crate) fn grid_of(tags: &GeoTags) -> Result<Option<TagGrid>, String> {
     }))
 }
 
-/// What is wrong if the map is not the whole globe in degrees of WGS84, as [`TagGrid::complaint`]. Without tags nothing is.
+/// The complaint about a map that is not the whole globe in degrees of WGS84, as [`TagGrid::complaint`]. None without tags.
 pub(crate) fn complaint_of(tags: &GeoTags, width: u32, height: u32) -> Option<String> {
     let unit_rad = match tags.system() {
         Ok(Some(System::Geographic { unit_rad, .. })) => unit_rad,
@@ -113,7 +113,7 @@ pub(crate) fn complaint_of(tags: &GeoTags, width: u32, height: u32) -> Option<St
     }
 }
 
-/// That a map lies in a system that is not taken.
+/// Message about a map in an unsupported system.
 pub(crate) fn in_other_system(system: &str) -> String {
     format!("lies in {system} by its GeoTIFF keys")
 }
@@ -137,11 +137,11 @@ mod tests {
         let whole = tags([0.5, 0.5], [0.0, 0.0, -180.0, 90.0]);
         assert_eq!(complaint_of(&whole, 720, 360), None);
         assert_eq!(complaint_of(&GeoTags::default(), 720, 360), None);
-        // Pixels at their own numbers say nothing.
+        // Pixels at their own indices mean nothing.
         let mut unplaced = tags([1.0, 1.0], [0.0; 4]);
         unplaced.keys.clear();
         assert_eq!(complaint_of(&unplaced, 720, 360), None);
-        // Texels on whole degrees, described as points: half a texel more on all sides.
+        // Texels on whole degrees, declared as points: half a texel more on all sides.
         let mut grid = tags([0.5, 0.5], [0.0, 0.0, -180.0, 90.0]);
         grid.keys.push((RASTER_TYPE, RASTER_POINT));
         assert_eq!(complaint_of(&grid, 721, 361), None);

@@ -1,7 +1,6 @@
-//! JPEG maps, decoded by MozJPEG some lines at a time.
+//! JPEG maps, decoded by MozJPEG a few lines at a time.
 //!
-//! libjpeg fills what a file lacks with grey and says nothing. So the file is walked from end to end before it is decoded: see
-//! [`jpeg`].
+//! libjpeg silently fills missing parts of a file with grey. The reader therefore checks the whole file before decoding; see [`jpeg`].
 
 use super::sof::read_header;
 use super::{
@@ -19,7 +18,7 @@ use terrella_imagery::jpeg::{self, Fault};
 
 /// Rows of a JPEG file.
 pub(super) struct JpegRows<R: BufRead> {
-    /// `None` after an error: the decoder is not to be used then.
+    /// `None` after an error: the decoder must not be used then.
     decoder: Option<DecompressStarted<WatchedReader<R>>>,
     state: Rc<ReadState>,
     info: SourceInfo,
@@ -68,7 +67,7 @@ impl<R: BufRead + Seek> JpegRows<R> {
         }
         let row_bytes = header.width as u64 * channels as u64;
         let held = if header.in_strips {
-            // Samples and coefficients of a few rows of units.
+            // Samples and coefficients of a few rows of coding units.
             8 * u64::from(header.unit().0) * row_bytes
         } else {
             coefficients
@@ -97,7 +96,7 @@ fn rewind<R: Seek>(reader: &mut R, context: &FileContext) -> Result<(), BuildErr
     done.map(drop).map_err(|error| context.unreadable(error))
 }
 
-/// Walks the whole file.
+/// Checks the whole file.
 fn check_whole<R: BufRead + Seek>(
     reader: &mut R,
     context: &FileContext,
@@ -142,7 +141,7 @@ fn guard<T>(
     state: &ReadState,
     step: impl FnOnce() -> std::io::Result<T>,
 ) -> Result<T, BuildError> {
-    // What the step held is dropped in it or given up by the caller.
+    // The step drops what it holds, or the caller discards it.
     let done = catch_unwind(AssertUnwindSafe(step));
     if let Some(error) = state.error.take() {
         return Err(context.unreadable(error));
@@ -160,16 +159,17 @@ fn guard<T>(
     }
 }
 
-/// What the reader reports past the decoder.
+/// Reader state that bypasses the decoder.
 #[derive(Default)]
 struct ReadState {
-    /// The decoder asked for more than the file has: it was whole a moment ago.
+    /// The decoder requested more than the file has, although it was complete before.
     ran_out: Cell<bool>,
-    /// The system's words when reading failed.
+    /// The system's error when reading failed.
     error: Cell<Option<std::io::Error>>,
 }
 
-/// Hands a file to the decoder, which takes some errors for an end of the file and makes up the rest.
+/// Passes a file to the decoder, which treats some errors as the end of the file and invents the
+/// rest.
 struct WatchedReader<R> {
     inner: R,
     state: Rc<ReadState>,

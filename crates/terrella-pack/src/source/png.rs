@@ -1,4 +1,4 @@
-//! PNG maps: grey, palette and colour of 8 or 16 bits.
+//! PNG maps: grey, palette and colour, with 8 or 16 bits.
 
 use super::{
     Extent, FileContext, FileKind, Opacity, RowSource, SampleKind, SourceInfo, SourceLimits,
@@ -9,7 +9,8 @@ use png::{BitDepth, DecodingError, Limits, Reader, Transformations};
 use std::io::{BufRead, Seek};
 use terrella_imagery::colour::Said;
 
-/// What the decoder itself may hold: rows, palette, text. 65 536 × 4 × 2 bytes a row, a few of them.
+/// Memory limit of the decoder: rows, palette, text. A row takes 65 536 × 4 × 2 bytes; it holds a
+/// few of them.
 const DECODER_BYTES: usize = 64 << 20;
 
 /// Rows of a PNG file.
@@ -18,7 +19,7 @@ pub(super) struct PngRows<R: BufRead + Seek> {
     info: SourceInfo,
     context: FileContext,
     said: Said,
-    /// Rows given so far.
+    /// Rows returned so far.
     given: u32,
     /// All texels of an interlaced map.
     whole: Option<Vec<u8>>,
@@ -66,7 +67,7 @@ impl<R: BufRead + Seek> PngRows<R> {
         };
         let mut whole = None;
         if reader.info().interlaced {
-            // The first pass alone has texels of the whole map.
+            // Only the first pass covers the whole map.
             let bytes = info.row_bytes() as u64 * u64::from(height);
             if bytes > limits.buffer_bytes {
                 return Err(context.too_large(
@@ -80,7 +81,7 @@ impl<R: BufRead + Seek> PngRows<R> {
             // At most `limits.buffer_bytes`.
             let mut texels = vec![0; bytes as usize];
             reader.next_frame(&mut texels).map_err(with_file)?;
-            // What is left must be whole too: checksums and the end chunk.
+            // The rest must be intact too: checksums and the end chunk.
             reader.finish().map_err(with_file)?;
             whole = Some(texels);
         }

@@ -1,8 +1,8 @@
-//! A stored sample as a number.
+//! Reads a stored sample as a number.
 
 use super::SampleKind;
 
-/// One sample as a number: integers by their code.
+/// One sample as a number; for integers, the code.
 pub(crate) fn sample(kind: SampleKind, bytes: &[u8], index: usize) -> f32 {
     let at = index * kind.bytes();
     match kind {

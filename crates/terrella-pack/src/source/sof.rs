@@ -1,4 +1,5 @@
-//! The header of a JPEG file up to its first scan: enough to know whether it can be read in strips.
+//! The header of a JPEG file up to its first scan: enough to decide whether it can be read in
+//! strips.
 
 use super::FileContext;
 use crate::error::BuildError;
@@ -10,7 +11,8 @@ pub(super) struct Header {
     pub height: u32,
     /// Horizontal and vertical sampling of each component, 1…4.
     pub sampling: Vec<(u32, u32)>,
-    /// One scan holds everything, row by row. Otherwise the coefficients of the whole map must be held.
+    /// One scan contains everything, row by row. Otherwise the coefficients of the whole map must be in
+    /// memory.
     pub in_strips: bool,
 }
 
@@ -21,7 +23,7 @@ impl Header {
         (8 * most(|s| s.1), 8 * most(|s| s.0))
     }
 
-    /// Bytes of all coefficients: two a sample, in whole coding units.
+    /// Bytes of all coefficients: two per sample, in whole coding units.
     pub(super) fn coefficient_bytes(&self) -> u64 {
         let (rows, columns) = self.unit();
         let units = u64::from(self.height.div_ceil(rows)) * u64::from(self.width.div_ceil(columns));
@@ -30,12 +32,12 @@ impl Header {
     }
 }
 
-/// Reads it; the reader stands anywhere afterwards.
+/// Reads the header; the reader's position is undefined afterwards.
 pub(super) fn read_header<R: BufRead + Seek>(
     reader: &mut R,
     context: &FileContext,
 ) -> Result<Header, BuildError> {
-    // Two bytes of start-of-image are known to be there.
+    // The two bytes of start-of-image were already checked.
     reader
         .seek(SeekFrom::Start(2))
         .map_err(|error| context.unreadable(error))?;

@@ -1,9 +1,10 @@
-//! TIFF maps: strips or tiles, compressed as [`tiff_chunks`](terrella_ground::elevation::tiff_chunks) decodes, of one plane or several, also BigTIFF and GeoTIFF.
+//! TIFF maps: strips or tiles, with the compressions of [`tiff_chunks`](terrella_ground::elevation::tiff_chunks), with one plane or several. BigTIFF
+//! and GeoTIFF are included.
 //!
 //! | file | what |
 //! |---|---|
-//! | `recoded.rs` | palettes shown to the decoder as grey |
-//! | `gaps.rs` | texels that stand for nothing |
+//! | `recoded.rs` | palettes presented to the decoder as grey |
+//! | `gaps.rs` | texels without data |
 
 mod gaps;
 mod recoded;
@@ -26,7 +27,7 @@ use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
 use tiff::tags::{CompressionMethod, PlanarConfiguration, Tag};
 use tiff::{ColorType, TiffError};
 
-/// Bytes of a tag that are read beside strips and tiles of fewer.
+/// Minimum size limit of a tag, bytes, if strips and tiles are smaller.
 const MOST_TAG_BYTES: usize = 64 << 10;
 
 /// Rows of a TIFF file.
@@ -41,7 +42,7 @@ pub(super) struct TiffRows<R: BufRead + Seek> {
     chunks: Chunks,
     gaps: Gaps,
     given: u32,
-    /// The rows of the chunks that the next row lies in, as they are stored.
+    /// Stored rows of the chunks that contain the next row.
     rows: Vec<u8>,
 }
 
@@ -49,23 +50,24 @@ pub(super) struct TiffRows<R: BufRead + Seek> {
 struct Stored {
     channels: usize,
     sample: SampleKind,
-    /// Bits of a sample in the file; fewer than 8 are read as bytes, and 9 to 15 in 16 bits.
+    /// Bits per sample in the file; fewer than 8 are read as bytes, and 9 to 15 as 16 bits.
     bits: u8,
-    /// Its first three channels are taken for red, green and blue, which it does not say.
+    /// The first three channels are assumed to be red, green and blue; the file does not declare
+    /// them.
     is_presumed: bool,
-    /// Each channel has strips or tiles of its own.
+    /// Whether each channel has separate strips or tiles.
     is_planar: bool,
-    /// Colours of the numbers that are stored.
+    /// Colours of the stored indices.
     palette: Option<Vec<[u8; 3]>>,
 }
 
 /// Strips or tiles.
 #[derive(Clone, Copy)]
 struct Chunks {
-    /// Texels of one.
+    /// Size in texels.
     columns: u32,
     rows: u32,
-    /// How many lie side by side, and in one plane.
+    /// Chunks per row, and per plane.
     across: u32,
     per_plane: u32,
 }
@@ -75,13 +77,13 @@ impl Stored {
         self.channels * self.sample.bytes()
     }
 
-    /// Whether samples have fewer bits than they are handed over in, and are no numbers of a palette.
+    /// Whether samples have fewer bits than their container, and are not palette indices.
     fn is_narrow(&self) -> bool {
         let bits = 8 * self.sample.bytes();
         usize::from(self.bits) < bits && self.palette.is_none()
     }
 
-    /// Stretches samples of fewer bits over the whole range.
+    /// Stretches samples of fewer bits to the full range.
     fn stretch(&self, samples: &mut [u8]) {
         let most = (1_u32 << self.bits) - 1;
         let stretched = |value: u32, full: u32| (value.min(most) * full + most / 2) / most;
@@ -101,7 +103,7 @@ impl Stored {
         }
     }
 
-    /// Reads what the header says, and rejects what is not read.
+    /// Reads the header, and rejects unsupported features.
     fn of<R: BufRead + Seek>(
         decoder: &mut Decoder<Recoded<R>>,
         coded: &TiffChunks,
@@ -182,12 +184,12 @@ impl Stored {
     }
 }
 
-/// Whether the second and third of a grey pixel's samples can be colours: neither is alpha.
+/// Whether the second and third sample of a grey pixel can be colours: neither is alpha.
 fn are_colours(extras: &[u16]) -> bool {
     !extras.iter().take(2).any(|kind| matches!(kind, 1 | 2))
 }
 
-/// The colours of a palette of numbers of 1 to 8 bits.
+/// The colours of a palette with indices of 1 to 8 bits.
 fn palette<R: BufRead + Seek>(
     decoder: &mut Decoder<Recoded<R>>,
     (channels, bits): (usize, u8),
@@ -206,7 +208,7 @@ fn palette<R: BufRead + Seek>(
     if map.len() != 3 * count {
         return Err(context.damaged(format!("a palette of {} numbers", map.len())));
     }
-    // Colours have 16 bits; some old writers gave 8.
+    // Colours have 16 bits; some old writers used 8.
     let shift = if map.iter().all(|value| *value < 256) {
         0
     } else {
@@ -221,12 +223,12 @@ fn palette<R: BufRead + Seek>(
 impl Chunks {
     fn of<R: BufRead + Seek>(decoder: &mut Decoder<Recoded<R>>, width: u32, height: u32) -> Self {
         let (columns, rows) = decoder.chunk_dimensions();
-        // A strip may claim more rows than the map has; a tile may be wider and higher than it.
+        // A strip may claim more rows than the map has; a tile may be larger than the map.
         let rows = match decoder.get_chunk_type() {
             ChunkType::Tile => rows,
             ChunkType::Strip => rows.min(height),
         };
-        // Neither is 0: the decoder has rejected that.
+        // Neither is 0; the decoder rejected that.
         let across = width.div_ceil(columns);
         Self {
             columns,
@@ -288,13 +290,14 @@ impl<R: BufRead + Seek> TiffRows<R> {
         };
         check(needed)?;
         let mut decoder_limits = Limits::default();
-        // Below the caller's limit, so a usize. Tags of small tiles are longer than their texels.
+        // Below the caller's limit, so it fits a usize. Tags of small tiles are longer than their
+        // texels.
         decoder_limits.decoding_buffer_size = (chunk_bytes as usize).max(MOST_TAG_BYTES);
-        // Compressed data are at most a little longer than their texels.
+        // Compressed data are at most slightly longer than their texels.
         let stored_bytes =
             chunk_bytes as usize / stored.channels * usize::from(coded.samples().max(1));
         decoder_limits.intermediate_buffer_size = stored_bytes.max(chunk_bytes as usize) * 2 + 4096;
-        // Places and lengths of all strips or tiles.
+        // Offsets and lengths of all strips or tiles.
         decoder_limits.ifd_value_size = 64 << 20;
         let mut decoder = decoder.with_limits(decoder_limits);
         let gaps = Gaps::find(&mut decoder, (width, height), &context)?;
@@ -333,7 +336,7 @@ impl<R: BufRead + Seek> TiffRows<R> {
         })
     }
 
-    /// Reads the row of strips or tiles from this row of texels on.
+    /// Reads the row of strips or tiles that starts at this row of texels.
     fn read_chunks(&mut self, first_row: u32) -> Result<(), BuildError> {
         let planes = if self.stored.is_planar {
             self.stored.channels
@@ -343,7 +346,7 @@ impl<R: BufRead + Seek> TiffRows<R> {
         let first_chunk = first_row / self.chunks.rows * self.chunks.across;
         for place in 0..self.chunks.across {
             for plane in 0..planes {
-                // Below 2^32: all planes are listed in the file.
+                // Below 2^32: the file lists all planes.
                 let chunk = plane as u32 * self.chunks.per_plane + first_chunk + place;
                 if self.gaps.is_absent(chunk) {
                     continue;
@@ -354,7 +357,7 @@ impl<R: BufRead + Seek> TiffRows<R> {
         Ok(())
     }
 
-    /// Reads a strip or tile into its place among the rows.
+    /// Reads a strip or tile into its position among the rows.
     fn read_chunk(
         &mut self,
         chunk: u32,
@@ -405,7 +408,7 @@ impl<R: BufRead + Seek> TiffRows<R> {
         Ok(())
     }
 
-    /// Writes a row out of those held, with its palette's colours and what of it is there.
+    /// Writes one of the held rows, with the palette's colours and its opacity.
     fn write(&mut self, inside: usize, row: &mut [u8]) -> Result<(), BuildError> {
         let stored_bytes = self.info.width as usize * self.stored.texel_bytes();
         let stored = &mut self.rows[inside * stored_bytes..][..stored_bytes];
@@ -420,7 +423,7 @@ impl<R: BufRead + Seek> TiffRows<R> {
             let colours = channels - usize::from(matches!(channels, 2 | 4));
             self.gaps.take_no_data(sample, stored, channels, colours);
         }
-        // The number of no data is one of those that are stored.
+        // The no-data value refers to stored values.
         if self.stored.is_narrow() {
             self.stored.stretch(stored);
         }
@@ -450,7 +453,7 @@ impl<R: BufRead + Seek> TiffRows<R> {
     }
 }
 
-/// The bytes of a sample that says that something is there.
+/// The bytes of a fully opaque sample.
 fn full(sample: SampleKind) -> [u8; 4] {
     match sample {
         SampleKind::F32 => 1f32.to_ne_bytes(),
@@ -458,10 +461,10 @@ fn full(sample: SampleKind) -> [u8; 4] {
     }
 }
 
-/// What the tags say of orientation and colours.
+/// Orientation and colours stated in the tags.
 fn said<R: BufRead + Seek>(decoder: &mut Decoder<Recoded<R>>) -> Result<Said, TiffError> {
     let orientation = decoder.find_tag_unsigned::<u16>(Tag::Orientation)?;
-    // A profile beyond the decoder's limits is worth a warning, but no reason to reject the image.
+    // A profile beyond the decoder's limits causes a warning, but the image is accepted.
     let profile = decoder.get_tag_u8_vec(Tag::IccProfile).ok();
     Ok(Said {
         orientation,
@@ -469,7 +472,8 @@ fn said<R: BufRead + Seek>(decoder: &mut Decoder<Recoded<R>>) -> Result<Said, Ti
     })
 }
 
-/// What is wrong with uncompressed strips and tiles that have fewer bytes than texels: they would be read on into others.
+/// The complaint about uncompressed strips and tiles with fewer bytes than texels: reading them would continue into
+/// others.
 fn short_chunk<R: BufRead + Seek>(
     decoder: &mut Decoder<Recoded<R>>,
     coded: &TiffChunks,
@@ -532,7 +536,7 @@ impl<R: BufRead + Seek> RowSource for TiffRows<R> {
     }
 }
 
-/// The name of colours that are not read.
+/// The name of unsupported colours.
 fn kind(colour: ColorType) -> &'static str {
     match colour {
         ColorType::CMYK(_) | ColorType::CMYKA(_) => "CMYK",

@@ -1,4 +1,4 @@
-//! WebP maps, lossy and lossless, decoded whole: the format has no rows of its own.
+//! WebP maps, lossy and lossless, decoded as a whole: the format has no independent rows.
 
 use super::{
     Extent, FileContext, FileKind, Opacity, RowSource, SampleKind, SourceInfo, SourceLimits,
@@ -42,7 +42,7 @@ impl WebPRows {
             buffer_bytes: 0,
         };
         let bytes = info.row_bytes() as u64 * u64::from(height);
-        // The picture, and planes of the decoder before they become colours.
+        // The image, and the decoder's planes before conversion to colours.
         info.buffer_bytes = 3 * bytes;
         if info.buffer_bytes > limits.buffer_bytes {
             return Err(context.too_large(
@@ -52,7 +52,7 @@ impl WebPRows {
                 "convert it (`magick IN.webp OUT.png`) or allow more --memory",
             ));
         }
-        // Below the caller's limit, so a usize.
+        // Below the caller's limit, so it fits a usize.
         decoder.set_memory_limit(2 * bytes as usize + (1 << 16));
         let mut texels = vec![0; bytes as usize];
         decoder.read_image(&mut texels).map_err(with_file)?;

@@ -1,4 +1,4 @@
-//! `articulations` of `[orbit]`: nodes of the model that turn, and how.
+//! `articulations` of `[orbit]`: moving nodes of the model.
 
 use super::error::{SceneError, printable};
 use super::field::{Field, range_text};
@@ -8,25 +8,25 @@ use glam::DVec3;
 use std::ops::RangeInclusive;
 use toml::{Spanned, Value};
 
-/// Most nodes of one satellite that turn: each is drawn by itself.
+/// Maximum moving nodes of one satellite: each is drawn separately.
 pub(super) const MAX_ARTICULATIONS: usize = 64;
 /// Angles, degrees.
 pub(super) const ANGLE_DEG: RangeInclusive<f64> = -360.0..=360.0;
-/// Rates, degrees a second: up to a hundred turns.
+/// Rates, degrees per second: up to a hundred rotations.
 pub(super) const RATE_DEG_S: RangeInclusive<f64> = -36_000.0..=36_000.0;
 /// Each number of an axis.
 pub(super) const AXIS: RangeInclusive<f64> = -1e6..=1e6;
-/// What the words of `track` are.
+/// Words accepted by `track`.
 pub(super) const TRACKED: [&str; 2] = ["sun", "earth"];
-/// Longest name of a node, characters.
+/// Maximum length of a node name, characters.
 const MAX_NAME_CHARS: usize = 256;
-/// The direction that is turned where a scene gives none: +Z of the node.
+/// Default direction to point at a target: +Z of the node.
 const NORMAL: DVec3 = DVec3::Z;
 
 const KNOWN_KEYS: &str =
     "an articulation has node, axis, and angle_deg or rate_deg_s, or track and normal";
 
-/// A node of a model that turns about an axis through its origin, with all that hangs on it.
+/// A node of a model that rotates about an axis through its origin, with all its children.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Articulation {
     /// Name of the node.
@@ -37,17 +37,17 @@ pub struct Articulation {
     pub turn: ArticulationTurn,
 }
 
-/// How a node turns, counter-clockwise about its axis from how the file places it.
+/// Rotation of a node, counter-clockwise about its axis, relative to the model's file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ArticulationTurn {
-    /// Evenly.
+    /// Constant rate.
     Even {
         /// At the scene's start, degrees.
         angle_deg: f64,
         /// Degrees a second.
         rate_deg_s: f64,
     },
-    /// So that a direction comes as near to something as it can.
+    /// Points a direction at a target as closely as possible.
     Track {
         /// What that is.
         target: ArticulationTarget,
@@ -56,7 +56,7 @@ pub enum ArticulationTurn {
     },
 }
 
-/// What a node can turn to.
+/// Target of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ArticulationTarget {
     /// The Sun.
@@ -179,14 +179,14 @@ fn direction(key: &str, value: &Value) -> Result<DVec3, String> {
 
 fn number(value: &Value) -> Option<f64> {
     match value {
-        // Numbers of scenes are far from the end of what is exact.
+        // Numbers in scenes are far inside the exact range of f64.
         Value::Integer(whole) => Some(*whole as f64),
         Value::Float(number) => Some(*number),
         _ => None,
     }
 }
 
-/// Articulations as a scene would write them.
+/// Articulations in scene syntax.
 fn text(all: &[Articulation]) -> KeyText {
     if all.is_empty() {
         return Err("all nodes are as the model's file places them");

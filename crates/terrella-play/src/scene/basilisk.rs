@@ -1,4 +1,4 @@
-//! `[orbit] source = "basilisk"`: a simulation that runs meanwhile, or one that was saved.
+//! `[orbit] source = "basilisk"`: a running simulation, or a saved one.
 
 use super::choices::OrbitSource;
 use super::error::{SceneError, printable};
@@ -14,7 +14,7 @@ const RUNS_NOT: &str = "is for simulations that run; a file is read as it was sa
 const WAITS_NOT: &str = "is for simulations that wait for an answer; one that publishes does not";
 
 impl SceneText<'_> {
-    /// How a simulation is met; `None` where a file of it is read.
+    /// How to connect to a simulation; `None` if a file is read.
     pub(super) fn basilisk(
         &self,
         orbit: &RawOrbit,
@@ -85,7 +85,7 @@ impl SceneText<'_> {
         })
     }
 
-    /// Rejects a simulation beside other satellites: it brings all of its own, and the time.
+    /// Rejects a simulation beside other satellites: it supplies all its satellites, and the time.
     pub(super) fn basilisk_alone(
         &self,
         raw: &[RawOrbit],
@@ -103,7 +103,7 @@ impl SceneText<'_> {
     }
 }
 
-/// The text of what a simulation is flown by.
+/// Description of a simulation as the source of motion.
 pub(super) fn flies_by(orbit: &Orbit) -> String {
     let craft = match &orbit.name {
         Some(name) => format!("cameras with {}", printable(name)),

@@ -1,4 +1,4 @@
-//! Scenes that no scene file says: the one that comes with the program, and what a file of orbits is flown in.
+//! Scenes without a scene file: the built-in scene, and the one used with an orbit file.
 
 use super::choices::OrbitSource;
 use super::error::SceneError;
@@ -12,13 +12,13 @@ use std::path::Path;
 use terrella_files as files;
 use terrella_orbit::FileFormat;
 
-/// The scene that comes with the program.
+/// The built-in scene.
 const SHIPPED: &str = terrella::internals::shipped::ISS;
-/// What messages call it.
+/// Its name in messages.
 const SHIPPED_NAME: &str = "config/iss.toml (built in)";
-/// Its keys that are about the file of elements. The elements of that file are built in.
+/// Its keys about the elements file. The elements of that file are built in.
 const FILE_KEYS: &[(&str, &str)] = &[("orbit", "file"), ("orbit", "name"), ("orbit", "strict")];
-/// Those, and the keys that are about that satellite alone.
+/// The keys above, and those that apply only to that satellite.
 const OWN_KEYS: &[(&str, &str)] = &[
     ("orbit", "source"),
     ("orbit", "file"),
@@ -27,19 +27,19 @@ const OWN_KEYS: &[(&str, &str)] = &[
     ("time", "start"),
     ("camera", "follow"),
 ];
-/// How much of a file is looked at to recognise it, bytes.
+/// Bytes of a file that are inspected to recognise its format.
 const HEAD_BYTES: u64 = 64 << 10;
 
 impl Scene {
-    /// The scene that comes with the program, `config/iss.toml`, which needs no file beside it.
+    /// The built-in scene, `config/iss.toml`, which needs no other file.
     ///
     /// # Errors
-    /// None as long as that file is as released.
+    /// None if that file is as released.
     pub fn shipped() -> Result<Self, SceneError> {
         Self::shipped_with(&[])
     }
 
-    /// The same with keys set.
+    /// The built-in scene with settings applied.
     ///
     /// # Errors
     /// Settings that [`Self::from_toml_with`] rejects.
@@ -50,15 +50,15 @@ impl Scene {
         Ok(scene)
     }
 
-    /// The scene in which simulations of Basilisk are met where none is named, `config/basilisk.toml`.
+    /// The default scene for Basilisk simulations, `config/basilisk.toml`.
     ///
     /// # Errors
-    /// None as long as that file is as released.
+    /// None if that file is as released.
     pub fn of_simulations() -> Result<Self, SceneError> {
         Self::of_simulations_with(&[])
     }
 
-    /// The same with keys set.
+    /// The default simulation scene with settings applied.
     ///
     /// # Errors
     /// Settings that [`Self::from_toml_with`] rejects.
@@ -70,11 +70,11 @@ impl Scene {
         )
     }
 
-    /// Satellites of a file of orbits, each by its name or catalogue number, or the file's only one, flown as
-    /// [`Self::shipped`] flies the space station, from the first one's own time on.
+    /// A scene with satellites of an orbit file, each given by name or catalogue number, or with the file's only one. They fly as the space station
+    /// does in [`Self::shipped`], from the first satellite's own time on.
     ///
     /// # Errors
-    /// None as long as the shipped scene is as released: the file is read when its satellites are opened.
+    /// None if the built-in scene is as released: the file is read when its satellites are opened.
     pub fn of_orbits(
         path: &Path,
         format: FileFormat,
@@ -104,7 +104,7 @@ impl Scene {
             [] => vec![satellite(None)],
             names => names.iter().map(|name| satellite(Some(name))).collect(),
         };
-        // No line of the file is one of the scene.
+        // The file's lines are not lines of the scene.
         for record in scene.records.values_mut().chain(&mut scene.orbit_records) {
             record.forget_lines();
         }
@@ -131,8 +131,8 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Reads a scene file, or a file of orbits in place of one ([`Self::of_orbits`]), whichever it is: files that end in `.toml` are
-    /// scenes, and what another is, its text says, or else the ending of its name. `names` are the satellites of a file of orbits.
+    /// Reads a scene file or an orbit file ([`Self::of_orbits`]). Files with the extension `.toml` are scenes. For others the text
+    /// decides, or else the extension. `names` are the satellites of an orbit file.
     ///
     /// # Errors
     /// As [`Self::load`]; a file that is neither.
@@ -140,10 +140,10 @@ impl Scene {
         Self::load_or_orbits_with(path, names, &[])
     }
 
-    /// The same with keys set in place of the file's, or of those that a file of orbits is flown with.
+    /// The same with settings that replace the file's keys, or the keys used with an orbit file.
     ///
     /// # Errors
-    /// As [`Self::load_or_orbits`]; of a setting they name `--set` in place of the file.
+    /// As [`Self::load_or_orbits`]; errors of a setting name `--set` instead of the file.
     pub fn load_or_orbits_with(
         path: &Path,
         names: &[String],
@@ -158,7 +158,7 @@ impl Scene {
         }
     }
 
-    /// Whether a file of orbits is flown in place of a scene file.
+    /// Whether an orbit file is used in place of a scene file.
     pub fn is_of_orbits(&self) -> bool {
         let is_file = |orbit: &Orbit| orbit.file.as_ref() == Some(&self.path);
         self.orbits.iter().any(is_file)
@@ -170,20 +170,20 @@ fn is_named_scene(path: &Path) -> bool {
         .is_some_and(|ending| ending.eq_ignore_ascii_case("toml"))
 }
 
-/// What kind of orbits a file holds. A pipe is not looked into: what is read from it is gone.
+/// The orbit format of a file. A pipe is not inspected, because its data can be read only once.
 fn recognise(path: &Path) -> Option<FileFormat> {
     let mut head = Vec::new();
     let file = files::open(path).ok()?;
     file.take(HEAD_BYTES).read_to_end(&mut head).ok()?;
     let ending = path.extension().unwrap_or_default().to_string_lossy();
-    // The reader of ephemerides says what such a message is, and what to do.
+    // The ephemeris reader reports the type of such a message and the remedy.
     let unread = || FileFormat::is_unread_message(&head).then_some(FileFormat::Oem);
     FileFormat::of_bytes(&head)
         .or_else(unread)
         .or_else(|| FileFormat::of_ending(&ending))
 }
 
-/// What is said of a file that is no scene and whose name does not call it one.
+/// The error for a file that is not a scene and whose name does not suggest one.
 fn neither(error: SceneError) -> SceneError {
     match error {
         SceneError::NotUtf8 { .. }
@@ -196,7 +196,7 @@ fn neither(error: SceneError) -> SceneError {
     }
 }
 
-/// A scene's text with empty lines in place of some of its keys, each of one line.
+/// A scene's text with empty lines in place of some one-line keys.
 fn without(text: &str, keys: &[(&str, &str)]) -> String {
     let mut table = "";
     let lines = text.lines().map(|line| {
@@ -217,7 +217,7 @@ mod tests {
     use super::*;
     use terrella_orbit::Sgp4Feed;
 
-    /// The scene that is built in cannot drift from the file: but for where the elements are, both are the same.
+    /// The built-in scene cannot drift from the file: except for the location of the elements, both are equal.
     #[test]
     fn the_built_in_scene_is_the_one_of_the_file() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config/iss.toml");
@@ -259,7 +259,7 @@ mod tests {
             }
             let is_strict =
                 |line: &&str| line.starts_with(&format!("  strict             {strict} "));
-            // Of [earth] and of each satellite.
+            // Once in [earth] and once per satellite.
             let count = summary.lines().filter(is_strict).count();
             assert_eq!(count, if strict == "true" { 2 } else { 3 }, "{summary}");
             scene.read_strictly();

@@ -1,4 +1,4 @@
-//! `burns`, `events` and `method` of `[orbit]`: thrusts of a numerical motion, what is looked for along it, how it is integrated.
+//! `burns`, `events` and `method` of `[orbit]`: thrusts of a numerical motion, detected events, and the integration method.
 
 use super::error::{SceneError, printable};
 use super::field::{Field, range_text};
@@ -131,14 +131,14 @@ fn start(value: &Value) -> Result<Epoch, String> {
 
 fn number(value: &Value) -> Option<f64> {
     match value {
-        // Numbers of scenes are far from the end of what is exact.
+        // Numbers in scenes are far inside the exact range of f64.
         Value::Integer(whole) => Some(*whole as f64),
         Value::Float(number) => Some(*number),
         _ => None,
     }
 }
 
-/// Burns as a scene would write them.
+/// Burns in scene syntax.
 fn burns_text(burns: &[Thrust]) -> KeyText {
     if burns.is_empty() {
         return Err("there are none");
@@ -162,7 +162,7 @@ fn burns_text(burns: &[Thrust]) -> KeyText {
     Ok(format!("[{}]", texts.join(", ")))
 }
 
-/// Events as a scene would write them.
+/// Events in scene syntax.
 fn events_text(events: EventSelection) -> KeyText {
     let words = [
         (events.nodes, "\"nodes\""),

@@ -1,4 +1,4 @@
-//! `[camera]`: where the eye is and what it looks at.
+//! `[camera]`: the eye and its view direction.
 
 use super::camera_keys::{CameraKey, keys_text, stand_on_ground};
 use super::choices::{CameraMode, CameraUp};
@@ -162,7 +162,7 @@ impl SceneText<'_> {
         })
     }
 
-    /// Rejects directions of view beside look_at, which gives it.
+    /// Rejects view directions besides `look_at`, which determines the direction.
     fn reject_direction(
         &self,
         given: &[&Field<'_, f64, Bounds<f64>>],
@@ -183,7 +183,7 @@ impl SceneText<'_> {
     }
 }
 
-/// A longitude of −360…360 in −180…180, exact where it is there already.
+/// Wraps a longitude of −360…360 to −180…180; exact if it is already inside.
 fn half_turn(lon_deg: f64) -> f64 {
     match lon_deg {
         lon if lon > 180.0 => lon - 360.0,

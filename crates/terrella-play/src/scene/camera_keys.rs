@@ -1,4 +1,4 @@
-//! `[[camera.keys]]`: what the camera does at moments of the flight; between them it goes smoothly.
+//! `[[camera.keys]]`: keyframes of the camera, with smooth interpolation between them.
 
 use super::choices::CameraMode;
 use super::error::{SceneError, printable};
@@ -11,7 +11,8 @@ use std::ops::{Range, RangeInclusive};
 use terrella_ground::light::Exposure;
 use toml::{Spanned, Value};
 
-/// The camera at a moment. What is `None` is not keyed there: it goes from the key before to the next that have it.
+/// A camera keyframe. A `None` field is not keyed here: it is interpolated between the previous and the next
+/// keyframe that have it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CameraKey {
     /// The moment, simulated seconds after the scene's start; negative before it.
@@ -34,7 +35,7 @@ pub struct CameraKey {
     pub exposure_ev: Option<f64>,
 }
 
-/// The keys of a camera key, what each may be, and in which unit.
+/// The keys of a keyframe, with range and unit.
 pub(super) const NUMBERS: [(&str, RangeInclusive<f64>, &str); 10] = [
     ("time_s", -1e9..=1e9, "seconds after the scene's start"),
     ("lat_deg", LAT_DEG, "degrees, south negative"),
@@ -55,21 +56,22 @@ pub(super) const NUMBERS: [(&str, RangeInclusive<f64>, &str); 10] = [
     ("fov_deg", 0.001..=179.999, "degrees"),
     ("exposure_ev", Exposure::RANGE_EV, "exposure values"),
 ];
-/// Begins a shot.
+/// Starts a new shot.
 pub(super) const CUT: &str = "cut";
 pub(super) const OFFSET: &str = "offset_m";
-/// Each part of an offset, and the least of all of it, metres: outside of the craft that is drawn.
+/// Range of each offset component, and minimum length of the offset, metres: outside the drawn
+/// craft.
 pub(super) const OFFSET_M: RangeInclusive<f64> = -1e6..=1e6;
 const NEAREST_M: f64 = 15.0;
-/// Places farther apart than this have no one way between them.
+/// Places farther apart have no unique path between them.
 const WIDEST_STEP_DEG: f64 = 170.0;
-/// What belongs together.
+/// Keys that must be given together.
 const PLACE: [&str; 3] = ["lat_deg", "lon_deg", "height_km"];
 const FACING: [&str; 2] = ["heading_deg", "pitch_deg"];
 const TURN: [&str; 2] = ["yaw_deg", "pitch_deg"];
 const LIST: &str = "a camera key has time_s, and of lat_deg, lon_deg and height_km, heading_deg and pitch_deg (mode = \"geodetic\"), yaw_deg and pitch_deg (\"nadir\", \"horizon\"), offset_m (\"chase\"), roll_deg, fov_deg and exposure_ev what it sets; cut = true jumps there";
 
-/// Whether any key stands over the ground.
+/// Whether any keyframe is over the ground.
 pub(super) fn stand_on_ground(keys: &[RawCameraKey]) -> bool {
     let mut names = keys.iter().flat_map(|key| key.keys());
     names.any(|name| PLACE.contains(&name.as_str()) || name == FACING[0])
@@ -190,7 +192,7 @@ impl SceneText<'_> {
             &[CameraMode::Geodetic, CameraMode::Nadir, CameraMode::Horizon],
         )?;
         only_in(OFFSET, &[CameraMode::Chase])?;
-        // All that belong together, or none.
+        // All keys of a group, or none.
         let together = |names: &[&str]| -> Result<Option<Vec<f64>>, SceneError> {
             let Some(first) = names.iter().find(|name| entries.contains_key(**name)) else {
                 return Ok(None);
@@ -250,7 +252,7 @@ impl SceneText<'_> {
 
 pub(super) fn number_of(value: &Value) -> Option<f64> {
     match value {
-        // Numbers of scenes are far from the end of what is exact.
+        // Numbers in scenes are far inside the exact range of f64.
         Value::Integer(whole) => Some(*whole as f64),
         Value::Float(number) => Some(*number),
         _ => None,
@@ -277,7 +279,7 @@ fn angle_deg(from: [f64; 3], to: [f64; 3]) -> f64 {
     direction(from).angle_between(direction(to)).to_degrees()
 }
 
-/// Keys as a scene would write them.
+/// Keyframes in scene syntax.
 pub(super) fn keys_text(keys: &[CameraKey]) -> KeyText {
     if keys.is_empty() {
         return Err("the camera stays as it is");

@@ -13,7 +13,7 @@ use serde_json::json;
 use std::ops::{Range, RangeInclusive};
 use toml::Spanned;
 
-/// Most captions, `[[caption]]` tables, in one scene.
+/// Maximum number of captions, `[[caption]]` tables, in one scene.
 pub(super) const MAX_CAPTIONS: usize = 32;
 /// Height of letters, and width of images, pixels.
 const SIZE_PX: RangeInclusive<f64> = 6.0..=200.0;

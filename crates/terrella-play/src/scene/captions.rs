@@ -1,4 +1,4 @@
-//! `[[caption]]`: texts and images over pictures.
+//! `[[caption]]`: texts and images on top of the output images.
 
 use super::Scene;
 use super::caption_keys::{MAX_CAPTIONS, RawCaption};
@@ -9,14 +9,14 @@ use super::record::quoted;
 use super::text::{SceneText, nearest};
 use std::path::PathBuf;
 
-/// Why no key of a caption has a value.
+/// Why keys of a caption have no value.
 pub(super) const NO_CAPTION: &str = "the scene has no [[caption]]";
-/// Colour of text where a scene gives none.
+/// Default text colour.
 const COLOR: &str = "#ffffff";
-/// Longest text, characters.
+/// Maximum text length, characters.
 const MAX_TEXT_CHARS: usize = 1000;
 
-/// A text or an image over pictures.
+/// A text or an image on top of the output images.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaptionTable {
     /// What it shows.
@@ -27,7 +27,7 @@ pub struct CaptionTable {
     pub plate_opacity: f64,
 }
 
-/// What a caption shows.
+/// Content of a caption.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CaptionContent {
     /// A text.
@@ -48,16 +48,16 @@ pub enum CaptionContent {
     },
 }
 
-/// A part of a caption's text.
+/// A segment of a caption's text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum CaptionPart {
-    /// Always the same.
+    /// Constant text.
     Text(String),
-    /// Of each picture.
+    /// A value that changes per image.
     Value(CaptionValue),
 }
 
-/// What is written of the instant of a picture.
+/// A caption value at the instant of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CaptionValue {
     /// Date and time of day, UTC.
@@ -66,17 +66,17 @@ pub enum CaptionValue {
     Date,
     /// Time of day, UTC.
     Clock,
-    /// Since the scene's start.
+    /// Time since the scene's start.
     Elapsed,
-    /// Name of the satellite that cameras fly with.
+    /// Name of the satellite that the camera follows.
     Satellite,
-    /// Geodetic latitude of the satellite, without one of the camera, degrees.
+    /// Geodetic latitude of the satellite, or of the camera without one, degrees.
     Lat,
-    /// Longitude of the same, degrees.
+    /// Longitude of the same object, degrees.
     Lon,
-    /// Its height above the ellipsoid, kilometres.
+    /// Height of the same object above the ellipsoid, kilometres.
     AltitudeKm,
-    /// The satellite's inertial speed, kilometres a second.
+    /// The satellite's inertial speed, kilometres per second.
     SpeedKmS,
 }
 
@@ -93,7 +93,7 @@ impl CaptionValue {
         Self::SpeedKmS,
     ];
 
-    /// Its name in braces.
+    /// The name used inside braces.
     fn name(self) -> &'static str {
         match self {
             Self::Time => "time",
@@ -108,13 +108,13 @@ impl CaptionValue {
         }
     }
 
-    /// Whether only a satellite has it.
+    /// Whether the value needs a satellite.
     fn needs_satellite(self) -> bool {
         matches!(self, Self::Satellite | Self::SpeedKmS)
     }
 }
 
-/// The parts of a text, or what is wrong with it.
+/// The segments of a text, or the error in it.
 fn parts(text: &str) -> Result<Vec<CaptionPart>, String> {
     let mut parts = Vec::new();
     let mut plain = String::new();
@@ -285,7 +285,7 @@ impl SceneText<'_> {
 }
 
 impl Scene {
-    /// What is written over pictures.
+    /// Descriptions of all captions.
     pub(super) fn caption_uses(&self) -> impl Iterator<Item = (&'static str, String)> {
         self.captions.iter().map(|caption| {
             let what = match &caption.content {

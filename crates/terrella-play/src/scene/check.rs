@@ -1,4 +1,4 @@
-//! Checks a scene: table by table, and what the tables say of each other.
+//! Checks a scene: each table, and the consistency between tables.
 
 use super::Scene;
 use super::choices::CameraMode;
@@ -33,7 +33,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
     let (aperture, ghosts) = source.lens_table(&raw.lens, &sky)?;
     let time = source.time(&raw.time)?;
     if orbits.is_empty() && camera.mode != CameraMode::Geodetic {
-        // The space station, whose elements are built in.
+        // The space station, with built-in elements.
         orbits.push(RawOrbit::default());
     }
     let has_coverage = raw.coverage.show().is_given();
@@ -134,7 +134,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
     })
 }
 
-/// Keys that one switch has replaced: a notice for each that a scene gives.
+/// Notices for the given keys that `look` has replaced.
 fn deprecated(earth: &RawEarth) -> Vec<String> {
     let given = [
         ("shading", earth.shading().is_given()),

@@ -1,24 +1,24 @@
-//! The words that a scene chooses from.
+//! Words that scenes can choose from.
 
 use serde::{Deserialize, Serialize};
 use terrella_orbit::numerical::{AtmosphereModel, Solver};
 use terrella_orbit::{FileFormat, Frame};
 
-/// Where the eye looks from.
+/// Position and view of the eye.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CameraMode {
-    /// At the satellite, straight down.
+    /// At the satellite, looking straight down.
     Nadir,
-    /// At the satellite, forward along the track with the horizon in the upper third.
+    /// At the satellite, looking forward along the track with the horizon in the upper third.
     Horizon,
-    /// Behind and above the satellite, looking at it, the Earth below.
+    /// Behind and above the satellite, looking at it and at the Earth below.
     Chase,
-    /// Above a place on the ground, straight down, north up.
+    /// Above a place on the ground, looking straight down, north up.
     Geodetic,
 }
 
-/// What is upwards on screen when the eye looks straight down from a satellite.
+/// Screen-up direction when the eye looks straight down from a satellite.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CameraUp {
@@ -29,7 +29,7 @@ pub enum CameraUp {
     North,
 }
 
-/// Kinds of source.
+/// Sources of motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum OrbitSource {
@@ -43,7 +43,7 @@ pub enum OrbitSource {
     Opm,
     /// Positions of a CZML document, interpolated.
     Czml,
-    /// States in columns, interpolated.
+    /// States in columns of a table, interpolated.
     Csv,
     /// Orbits of navigation satellites in SP3, interpolated.
     Sp3,
@@ -53,14 +53,14 @@ pub enum OrbitSource {
     Kepler,
     /// Motion under forces, integrated from elements or a state.
     Numerical,
-    /// States that a simulator sends meanwhile.
+    /// States that a simulator sends at run time.
     Live,
-    /// A simulation of Basilisk, running or saved.
+    /// A Basilisk simulation, running or saved.
     Basilisk,
 }
 
 impl OrbitSource {
-    /// The source that a kind of file is of.
+    /// The source for a file format.
     pub fn of(format: FileFormat) -> Self {
         match format {
             FileFormat::Tle => Self::Tle,
@@ -74,7 +74,7 @@ impl OrbitSource {
         }
     }
 
-    /// Whether it is always read from a file.
+    /// Whether the source is always a file.
     pub fn is_file(self) -> bool {
         !matches!(
             self,
@@ -82,43 +82,43 @@ impl OrbitSource {
         )
     }
 
-    /// Whether the scene gives its start.
+    /// Whether the scene states the initial state.
     pub fn has_start(self) -> bool {
         matches!(self, Self::Kepler | Self::Numerical)
     }
 }
 
-/// What a map of coverage shows.
+/// Quantity shown by a coverage map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CoverageShow {
-    /// How often satellites have the ground in view.
+    /// Number of times that satellites see the ground.
     Count,
-    /// The mean time from the end of a view to the beginning of the next.
+    /// Mean time from the end of a view to the start of the next.
     Revisit,
     /// The longest time without a view.
     Gap,
 }
 
-/// Where a caption stands in pictures.
+/// Position of a caption in images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CaptionPlace {
-    /// In the corner.
+    /// The upper left corner.
     TopLeft,
-    /// In the middle of the upper edge.
+    /// The middle of the upper edge.
     Top,
-    /// In the corner.
+    /// The upper right corner.
     TopRight,
-    /// In the middle of the left edge.
+    /// The middle of the left edge.
     Left,
-    /// In the middle of the right edge.
+    /// The middle of the right edge.
     Right,
-    /// In the corner.
+    /// The lower left corner.
     BottomLeft,
-    /// In the middle of the lower edge.
+    /// The middle of the lower edge.
     Bottom,
-    /// In the corner.
+    /// The lower right corner.
     BottomRight,
 }
 
@@ -159,7 +159,7 @@ pub(super) enum ShutterName {
     Rolling,
 }
 
-/// The axes of a start, as a scene writes them.
+/// Reference frames of an initial state, by their names in scenes.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum FrameName {
@@ -182,7 +182,7 @@ impl From<FrameName> for Frame {
     }
 }
 
-/// The air, as a scene writes it.
+/// Models of atmospheric density, by their names in scenes.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum AirModel {
@@ -199,7 +199,7 @@ impl From<AirModel> for AtmosphereModel {
     }
 }
 
-/// The method of integration, as a scene writes it.
+/// Integration methods, by their names in scenes.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Method {
@@ -218,24 +218,25 @@ impl From<Method> for Solver {
     }
 }
 
-/// Which effects are on where a scene says nothing of them.
+/// Default set of effects.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Look {
-    /// The 2011 paper's picture: its three layers, and no light of ours but the air's.
+    /// The image of the 2011 paper: its three layers, and no added light except the atmosphere's.
     Paper,
-    /// What costs little: real light on land, sea and clouds, through the air.
+    /// Inexpensive effects: real light on land, sea and clouds, through the atmosphere.
     #[default]
     Standard,
-    /// All that there is.
+    /// All effects.
     Full,
 }
 
-/// Which of a pack's storages is read.
+/// Storage of a pack to read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum StorageChoice {
-    /// Compressed on graphics hardware that reads it, plain on software adapters; whichever there is otherwise.
+    /// Compressed storage on graphics hardware that supports it, plain storage on software adapters. Falls back
+    /// to the storage that exists.
     #[default]
     Auto,
     /// Plain texels.

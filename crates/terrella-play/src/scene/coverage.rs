@@ -1,4 +1,4 @@
-//! `[coverage]`: what the sensors of satellites have in view over a time, as a map on the globe.
+//! `[coverage]`: a map of the ground that satellite sensors see over a time span.
 
 use super::Scene;
 use super::choices::{CaptionPlace, CoverageShow};
@@ -10,7 +10,7 @@ use super::record::number_text;
 use super::text::SceneText;
 use toml::Spanned;
 
-/// West, south, east and north where a scene gives no region, degrees.
+/// Default region: west, south, east and north, degrees.
 const WHOLE_EARTH_DEG: [f64; 4] = [-180.0, -90.0, 180.0, 90.0];
 
 /// `[coverage]`
@@ -35,7 +35,7 @@ pub struct CoverageTable {
 }
 
 impl SceneText<'_> {
-    /// Checks `[coverage]`; `None` where no map is drawn.
+    /// Checks `[coverage]`; `None` if no map is drawn.
     pub(super) fn coverage(
         &self,
         raw: &RawCoverage,
@@ -83,7 +83,7 @@ impl SceneText<'_> {
         }))
     }
 
-    /// The names of satellites; whether the scene has them, is known once they are opened.
+    /// The names of satellites. They are validated when the satellites are opened.
     fn names(&self, raw: &RawCoverage) -> Result<Vec<String>, SceneError> {
         let field = raw.satellites();
         let Some(names) = field.given.map(Spanned::get_ref) else {
@@ -128,7 +128,7 @@ impl SceneText<'_> {
 }
 
 impl Scene {
-    /// What map of coverage is drawn.
+    /// Description of the coverage map.
     pub(super) fn coverage_uses(&self) -> Option<(&'static str, String)> {
         let table = self.coverage.as_ref()?;
         let what = match table.show {

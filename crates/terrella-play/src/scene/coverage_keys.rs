@@ -13,12 +13,12 @@ use serde_json::json;
 use std::ops::{Range, RangeInclusive};
 use toml::Spanned;
 
-/// Most names in `satellites`.
+/// Maximum number of names in `satellites`.
 pub(super) const MAX_NAMES: usize = 1000;
-/// Degrees of a region's edges.
+/// Range of a region's edges, degrees.
 pub(super) const REGION_DEG: RangeInclusive<f64> = -360.0..=360.0;
 
-/// Why no other key has a value where there is no map.
+/// Why other keys have no value without a map.
 pub(super) const NO_COVERAGE: &str = "only with show";
 
 const SHOWN: &Only = &Only {

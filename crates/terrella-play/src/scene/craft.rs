@@ -10,14 +10,14 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// Why keys of a spin have no value.
+/// Why spin keys have no value.
 const NO_SPIN: &str = "the spacecraft does not spin";
-/// The axis of a spin where a scene gives none.
+/// Default spin axis.
 const SPIN_AXIS: DVec3 = DVec3::Z;
-/// Why keys of a model have no value.
+/// Why model keys have no value.
 const NO_MODEL: &str = "only for a model";
 
-/// What is drawn of a spacecraft.
+/// Appearance of a spacecraft.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CraftOptions {
     /// Its model; `None` draws the built-in one before the chase camera, and nothing before others.
@@ -28,7 +28,7 @@ pub struct CraftOptions {
     pub spin: Option<Spin>,
 }
 
-/// A spin on top of an attitude, from the scene's start on.
+/// A spin added to an attitude, from the scene's start on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spin {
     /// In the axes of the spacecraft, of any length but 0.
@@ -37,10 +37,10 @@ pub struct Spin {
     pub rate_deg_s: f64,
 }
 
-/// What says how a spacecraft is turned.
+/// Source of a spacecraft's attitude.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum AttitudeSource {
-    /// A rule.
+    /// An attitude rule.
     Rule(AttitudeName),
     /// A file, absolute or relative to the working directory.
     File(PathBuf),
@@ -52,20 +52,20 @@ impl Default for AttitudeSource {
     }
 }
 
-/// Rules of attitude. The axes are x along flight, y to the right and z down where the craft flies level.
+/// Attitude rules. In level flight the axes are x along flight, y to the right and z down.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum AttitudeName {
     /// Level: z along the ellipsoid's vertical, x along flight.
     #[default]
     Nadir,
-    /// −z to the Sun, x as near to the direction of flight as it can be.
+    /// −z to the Sun, x as close to the flight direction as possible.
     Sun,
     /// The axes of GCRF.
     Inertial,
 }
 
-/// A model and how it is drawn.
+/// A model and its drawing options.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CraftModel {
     /// A glTF file, absolute or relative to the working directory.
@@ -80,19 +80,19 @@ pub struct CraftModel {
     pub articulations: Vec<Articulation>,
 }
 
-/// How the axes of a model lie in those of its craft: x along flight, y to the right, z down.
+/// Orientation of a model's axes in those of its craft: x along flight, y to the right, z down.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ModelAxes {
-    /// As glTF has them: +Z forward, +Y up, −X to the right.
+    /// glTF axes: +Z forward, +Y up, −X to the right.
     #[default]
     Gltf,
-    /// They are the same.
+    /// The axes of the craft.
     Body,
 }
 
 impl SceneText<'_> {
-    /// Checks what is drawn of a spacecraft.
+    /// Checks the appearance of a spacecraft.
     pub(super) fn craft(&self, orbit: &RawOrbit) -> Result<CraftOptions, SceneError> {
         let attitude = self.attitude(orbit)?;
         let spin = self.spin(orbit, &attitude)?;
@@ -191,7 +191,7 @@ mod tests {
     use std::path::Path;
 
     fn craft(keys: &str) -> Result<CraftOptions, String> {
-        // Any file of the folder will do: a scene does not read it.
+        // Any file of the folder will do: a scene does not open it.
         let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("a.toml");
         let text = format!("[orbit]\n{keys}");
         let scene = Scene::from_toml(&text, &scene).map_err(|error| error.to_string())?;

@@ -1,4 +1,4 @@
-//! `day_maps`, `cloud_maps`, `night_light_maps` and `map_fade` of `[earth]`: maps that stand for dates or for months.
+//! `day_maps`, `cloud_maps`, `night_light_maps` and `map_fade` of `[earth]`: maps for dates or months.
 
 use super::error::{SceneError, printable};
 use super::field::{Field, RawDatedMaps};
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use terrella::frames::{Epoch, utc_from_rfc3339};
 use toml::{Spanned, Value};
 
-/// The maps that may change with the date.
+/// Map layers that may change with the date.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DatedLayer {
     /// Colours by day.
@@ -22,10 +22,10 @@ pub enum DatedLayer {
 }
 
 impl DatedLayer {
-    /// All of them.
+    /// All layers.
     pub const ALL: [Self; 3] = [Self::Day, Self::Clouds, Self::NightLights];
 
-    /// The key that names its maps.
+    /// The key of its maps.
     pub const fn key(self) -> &'static str {
         match self {
             Self::Day => "day_maps",
@@ -34,7 +34,7 @@ impl DatedLayer {
         }
     }
 
-    /// The same with its table.
+    /// The key with its table.
     pub(crate) const fn path_key(self) -> &'static str {
         match self {
             Self::Day => "earth.day_maps",
@@ -44,12 +44,13 @@ impl DatedLayer {
     }
 }
 
-/// When maps are drawn.
+/// Times of maps.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MapTimes {
-    /// Twelve, from January on, each in the middle of its month, every year.
+    /// Twelve maps from January on, each for the middle of its month, every year.
     Months,
-    /// Each at its own date, the earliest first; before the first that, after the last that.
+    /// Each map at its own date, the earliest first. Before the first date the first map is drawn,
+    /// after the last date the last.
     Dates(Vec<Epoch>),
 }
 
@@ -66,14 +67,14 @@ pub struct DatedMaps {
     pub fades: bool,
 }
 
-/// What is drawn at an epoch: a map, or what lies between two.
+/// Maps at an epoch: one map, or a blend of two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BetweenMaps {
-    /// Place of the earlier in the list.
+    /// Index of the earlier map in the list.
     pub from: usize,
-    /// Place of the later; the same where there is none to pass into.
+    /// Index of the later map; the same index without a blend.
     pub to: usize,
-    /// How much of the later is drawn, 0 to below 1.
+    /// Weight of the later map, 0 to below 1.
     pub weight: f64,
 }
 
@@ -88,7 +89,7 @@ impl BetweenMaps {
 }
 
 impl DatedMaps {
-    /// What is drawn at an epoch.
+    /// The maps at an epoch.
     pub fn at(&self, epoch: Epoch) -> BetweenMaps {
         let between = match &self.times {
             MapTimes::Dates(dates) => between_dates(dates, epoch),
@@ -101,7 +102,7 @@ impl DatedMaps {
         }
     }
 
-    /// Places of the maps that are drawn from one epoch to another, which may lie before it.
+    /// Indices of the maps drawn between two epochs; the second may be earlier.
     pub fn within(&self, start: Epoch, end: Epoch) -> Vec<usize> {
         const MOST_OF_A_YEAR_S: f64 = 300.0 * 86_400.0;
         let count = self.files.len();
@@ -126,7 +127,7 @@ impl DatedMaps {
         places
     }
 
-    /// The map that comes after one, if any does; `back` where time runs backwards.
+    /// The next map, if there is one; `back` means that time runs backwards.
     pub fn next(&self, place: usize, back: bool) -> Option<usize> {
         let count = self.files.len();
         match (&self.times, back) {
@@ -175,7 +176,7 @@ fn month_of(epoch: Epoch) -> (i32, usize) {
     (year, usize::from(month.saturating_sub(1)))
 }
 
-/// The middle of a month, which may lie in the year before or after.
+/// The middle of a month. Months outside 0…11 are in an earlier or later year.
 fn middle_of(year: i32, month: i32) -> Epoch {
     let first = |month: i32| {
         let (year, month) = (year + month.div_euclid(12), month.rem_euclid(12));
@@ -185,7 +186,7 @@ fn middle_of(year: i32, month: i32) -> Epoch {
     begin + (end - begin) * 0.5
 }
 
-/// What of the rest of `[earth]` says which maps there may be.
+/// Keys of `[earth]` that determine which maps may be given.
 #[derive(Clone, Copy)]
 pub(super) struct DatedScene {
     pub is_paper: bool,
@@ -296,7 +297,7 @@ impl SceneText<'_> {
     }
 }
 
-/// A map with its date, or what is wrong with it.
+/// A map with its date, or the error.
 fn dated(entry: &Value, folder: &Path) -> Result<(Epoch, PathBuf), String> {
     let Value::Table(keys) = entry else {
         return Err(format!(
@@ -336,7 +337,7 @@ fn file_in(folder: &Path, name: &str) -> Result<PathBuf, String> {
     }
 }
 
-/// Maps as a scene would write them.
+/// Maps in scene syntax.
 fn maps_text(maps: &DatedMaps) -> KeyText {
     let file = |path: &PathBuf| format!("\"{}\"", printable(&path.display().to_string()));
     let texts: Vec<_> = match &maps.times {
@@ -415,7 +416,7 @@ mod tests {
         close(months.at(date("2018-02-15T00:00:00Z")), 1, 2, 0.0);
         close(months.at(date("2020-02-15T12:00:00Z")), 1, 2, 0.0);
         close(months.at(date("2018-01-31T06:00:00Z")), 0, 1, 14.75 / 29.5);
-        // From the middle of December to that of January are 31 days.
+        // There are 31 days from the middle of December to that of January.
         close(months.at(date("2018-01-01T00:00:00Z")), 11, 0, 0.5);
         close(months.at(date("2017-12-31T12:00:00Z")), 11, 0, 15.0 / 31.0);
         assert_eq!(
@@ -431,7 +432,7 @@ mod tests {
     fn maps_of_a_span_are_those_it_draws() {
         let months = maps(MapTimes::Months, true);
         let within = |start, end| months.within(date(start), date(end));
-        // From the second half of December to the first of January.
+        // From the second half of December to the first half of January.
         assert_eq!(
             within("2018-12-20T00:00:00Z", "2019-01-05T00:00:00Z"),
             [11, 0]

@@ -1,4 +1,4 @@
-//! Whether an orbit answers for all of a scene's time, and what is flown where the scene does not ask for more.
+//! Whether an orbit covers a scene's whole time span, and the fallback if the scene does not require it.
 
 use super::Scene;
 use super::choices::{FrameName, OrbitSource};
@@ -12,17 +12,17 @@ use terrella::frames::Epoch;
 use terrella_orbit::Frame;
 use terrella_orbit::kepler::KeplerElements;
 
-/// What flies where the built-in elements do not reach.
+/// Name of the satellite used when the built-in elements are out of range.
 const STAND_IN: &str = "ISS stand-in";
 
-/// What ends the time that an orbit answers for, where that is not just how far its source reaches.
+/// Why an orbit's validity ends, apart from the end of its source.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Ending {
-    /// The satellite meets the ground at this place.
+    /// The satellite hits the ground at this place.
     Impact(String),
-    /// SGP4 has no orbit beyond: the satellite has decayed.
+    /// SGP4 fails beyond: the satellite has decayed.
     Decay,
-    /// An ephemeris has a gap there.
+    /// An ephemeris has a gap.
     Gap,
 }
 
@@ -43,9 +43,8 @@ fn validity_text(validity: (Epoch, Epoch), ending: Option<&Ending>) -> String {
 }
 
 impl Scene {
-    /// Rejects a scene of which any part lies outside `validity`, the first and last epoch that its orbit
-    /// answers for without a gap ([`terrella_orbit::Feed::validity`], [`terrella_orbit::Feed::gaps`]). `ending` is what ends that time,
-    /// if it is known.
+    /// Rejects a scene that extends beyond `validity`. This is the first and last epoch that its orbit covers without a gap
+    /// ([`terrella_orbit::Feed::validity`], [`terrella_orbit::Feed::gaps`]). `ending` is the known reason why that time ends.
     pub fn check_dates(
         &self,
         validity: (Epoch, Epoch),
@@ -81,7 +80,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Leaves the gaps of the satellite that cameras fly with out of playback.
+    /// Skips the gaps of the followed satellite in playback.
     pub fn leave_out(&mut self, gaps: &[(Epoch, Epoch)]) {
         let (first, last) = (self.time.start, self.time.end());
         let (first, last) = (first.min(last), first.max(last));
@@ -89,7 +88,7 @@ impl Scene {
         self.time.left_out = gaps.iter().filter(within).copied().collect();
     }
 
-    /// Shortens a duration that the scene does not give to what the orbit answers for, with a notice.
+    /// Shortens a default duration to the orbit's validity, with a notice.
     pub fn shorten(&mut self, validity: (Epoch, Epoch), ending: Option<&Ending>) {
         let (start, end) = (self.time.start, self.time.end());
         let inside = |epoch: Epoch| validity.0 <= epoch && epoch <= validity.1;
@@ -100,7 +99,7 @@ impl Scene {
             true => validity.1 - start,
             false => start - validity.0,
         };
-        // Whole milliseconds, so that it ends on this side.
+        // Rounded down to milliseconds, so that it ends inside.
         let room_s = (room.to_seconds() * 1e3).floor() / 1e3;
         if room_s > 0.0 {
             self.notices.push(format!(
@@ -113,11 +112,11 @@ impl Scene {
         }
     }
 
-    /// Begins a scene that gives no start at a satellite's own time, which `from` describes in words. Motions that the scene
-    /// describes without an epoch begin with it. Changes nothing in a scene that gives its start.
+    /// Starts a scene without a given start at a satellite's own time; `from` describes that time. Motions without an epoch
+    /// start with it. A scene with a given start is unchanged.
     ///
     /// # Errors
-    /// A time that no scene may reach.
+    /// A time outside the range of scenes.
     pub fn begin_at(&mut self, start: Epoch, from: String) -> Result<(), SceneError> {
         match self.time.start_from {
             StartSource::Default => self.move_start(start, StartSource::Satellite(from)),
@@ -125,10 +124,10 @@ impl Scene {
         }
     }
 
-    /// Begins the scene at this instant, whatever it says itself. Motions that it describes without an epoch begin with it.
+    /// Starts the scene at this instant, regardless of its own start. Motions without an epoch start with it.
     ///
     /// # Errors
-    /// A time that no scene may reach.
+    /// A time outside the range of scenes.
     pub fn begin(&mut self, start: Epoch) -> Result<(), SceneError> {
         self.move_start(start, StartSource::Caller)
     }
@@ -154,8 +153,8 @@ impl Scene {
         }
     }
 
-    /// Lets the built-in satellite of that place fly a conic from the scene's start on, with a notice: its own elements,
-    /// `elements`, hold for `validity` only.
+    /// Replaces the built-in satellite at this index by a conic from the scene's start on, with a notice. Its own
+    /// elements, `elements`, are valid only for `validity`.
     pub fn stand_in(&mut self, orbit: usize, elements: KeplerElements, validity: (Epoch, Epoch)) {
         let start = self.time.start;
         let table = self.orbit_table(orbit);

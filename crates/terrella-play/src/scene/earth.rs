@@ -1,5 +1,5 @@
-//! `[earth]`: the globe, its layers and its air, and the imagery pack that they may come from. Its keys of terrain
-//! are read in [`relief`](super::relief).
+//! `[earth]`: the globe, its layers, its atmosphere, and its optional imagery pack. [`relief`](super::relief)
+//! reads its terrain keys.
 
 use super::choices::{Look, StorageChoice};
 use super::dated_maps::{DatedMaps, DatedScene};
@@ -16,7 +16,7 @@ use terrella_ground::air::{AirOptions, Atmosphere};
 use terrella_ground::globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
 use toml::Spanned;
 
-/// By default where the Moon lights the night: with more, a full Moon would look like an overcast day.
+/// Default with moonlight: with more, a full Moon would look like an overcast day.
 const MOONLIT_NIGHT_GAIN: f64 = 4e4;
 
 /// `[earth]`
@@ -59,18 +59,18 @@ pub struct EarthTable {
 }
 
 impl EarthTable {
-    /// Whether air is drawn.
+    /// Whether the atmosphere is drawn.
     pub fn has_air(&self) -> bool {
         self.atmosphere != Atmosphere::None
     }
 
-    /// Whether the surface is shaded as printed in the paper.
+    /// Whether the surface has the paper's shading.
     pub fn is_paper(&self) -> bool {
         self.shading == Shading::Paper
     }
 }
 
-/// The keys of `[earth]` that say how an imagery pack is drawn.
+/// Keys of `[earth]` about drawing an imagery pack.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PackTable {
     /// The pack's folder.
@@ -122,7 +122,7 @@ impl SceneText<'_> {
         };
         let relief = self.relief(earth)?;
         let visibility = match (look, &relief) {
-            // The paper's rule loses terrain behind the horizon.
+            // The paper's rule drops terrain behind the horizon.
             (Look::Paper, None) => Visibility::Paper,
             _ => Visibility::Conservative,
         };
@@ -198,7 +198,7 @@ impl SceneText<'_> {
         }))
     }
 
-    /// Reads the activity that the aurora is drawn for; `None` where a scene has no aurora.
+    /// Reads the geomagnetic activity of the aurora; `None` without an aurora.
     fn kp(&self, field: &Field<'_, f64, RangeInclusive<f64>>) -> Result<Option<f64>, SceneError> {
         if !field.is_given() {
             field.note(Err("there is no aurora"));
@@ -207,7 +207,7 @@ impl SceneText<'_> {
         self.quantity_or(field, 0.0).map(Some)
     }
 
-    /// Rejects a key that does nothing with the paper's shading.
+    /// Rejects a key without effect under the paper's shading.
     pub(super) fn only_in_sunlight<T, R>(&self, field: &Field<'_, T, R>) -> Result<(), SceneError> {
         let advice = format!(
             "the paper's shading has no {}; leave it out, or take look = \"standard\"",
@@ -258,7 +258,7 @@ impl SceneText<'_> {
         }))
     }
 
-    /// Rejects a key that does nothing without a pack.
+    /// Rejects a key without effect if there is no pack.
     pub(super) fn only_with_a_pack<T, R>(
         &self,
         field: &Field<'_, T, R>,

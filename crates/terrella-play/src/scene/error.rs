@@ -1,20 +1,21 @@
-//! Errors of scenes. Every message says where (file, line, key), what is wrong, and what to do.
+//! Errors of scenes. Every message states the place (file, line, key), the problem and the remedy.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 pub(super) use terrella_files::excerpt as printable;
 
-/// Largest scene file, bytes. A scene of every key with generous comments is a hundredth of it.
+/// Maximum size of a scene file, bytes. A scene with every key and long comments is a hundredth of
+/// it.
 pub(super) const MAX_FILE_BYTES: u64 = 1 << 20;
 
-/// Where a key stands in a scene file, or would stand.
+/// Location of a key in a scene file, present or not.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct KeyLocation {
     /// The scene file.
     pub path: PathBuf,
-    /// Line of the file, from 1; `None` where the file does not give the key and its default is meant.
+    /// Line of the file, from 1; `None` for a default that the file does not give.
     pub line: Option<usize>,
-    /// The table's name; empty for what stands outside any table.
+    /// The table's name; empty for keys outside any table.
     pub table: String,
     /// The key; empty for a whole table.
     pub key: String,
@@ -51,7 +52,7 @@ pub enum SceneError {
     /// The path is a folder.
     #[error("{}: is a folder; give the path of a scene file in it", path.display())]
     Folder { path: PathBuf },
-    /// The file is larger than any scene needs to be.
+    /// The file exceeds the maximum size of a scene.
     #[error(
         "{}: is larger than {MAX_FILE_BYTES} bytes, the most that a scene may have; is it a scene file?",
         path.display()
@@ -72,7 +73,7 @@ pub enum SceneError {
         line: usize,
         /// Column in characters, from 1.
         column: usize,
-        /// What the TOML reader expected.
+        /// Expectation of the TOML reader.
         message: String,
         /// The text there.
         found: String,
@@ -84,15 +85,15 @@ pub enum SceneError {
         /// The nearest known name and all known names.
         remedy: String,
     },
-    /// A key that its table must have.
+    /// A required key is missing.
     #[error("{place}: {remedy}")]
     Missing {
         /// On the line of the first key that the table has.
         place: Box<KeyLocation>,
-        /// What the key is for, and how to write it.
+        /// The purpose of the key, and its syntax.
         remedy: String,
     },
-    /// A file that is no scene, and whose name does not say that it should be one.
+    /// A file that is not a scene, and whose name does not suggest one.
     #[error(
         "{scene}; nor is it an orbit file: two-line elements, OMM, OEM, OPM, CZML, SP3, an ephemeris of STK, or CSV with columns epoch_utc, x_km, y_km, z_km"
     )]
@@ -103,7 +104,7 @@ pub enum SceneError {
         place: Box<KeyLocation>,
         /// The value as written, or the default.
         value: String,
-        /// What it must be, and why where that is not plain.
+        /// The accepted values, and the reason if it is not obvious.
         remedy: String,
     },
 }
@@ -124,7 +125,7 @@ impl SceneError {
         }
     }
 
-    /// The line of the file, from 1, where there is one to name.
+    /// The line of the file, from 1, if known.
     pub fn line(&self) -> Option<usize> {
         match self {
             Self::Read { .. } | Self::Folder { .. } | Self::TooLarge { .. } => None,

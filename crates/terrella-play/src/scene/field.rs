@@ -1,4 +1,4 @@
-//! What every key needs: its value or default, a range, a choice of names, a path, and the text of a rejection.
+//! Helpers for every key: value or default, range, choice of names, path, and rejection text.
 
 use super::error::{KeyLocation, SceneError, printable};
 use super::record::{KeyText, Notes, number_text, quoted};
@@ -13,20 +13,20 @@ use std::path::{Path, PathBuf};
 use terrella_ground::light::Tone;
 use toml::Spanned;
 
-/// A key with its value, if the file gives one, and its rule as [`keys`](super::keys) declares it: [`Bounds`] of a number with
-/// a default, the range of one without, the default of a `bool`, or nothing.
+/// A key with its value, if the file gives one, and its rule from the declaration in [`keys`](super::keys). The rule is
+/// [`Bounds`] for a number with a default, the range for one without, the default of a `bool`, or nothing.
 pub(super) struct Field<'r, T, R = ()> {
     pub(super) table: &'static str,
     pub(super) key: &'static str,
-    /// The unit of a number.
+    /// Unit of a number.
     pub(super) of: &'static str,
     pub(super) given: Option<&'r Spanned<T>>,
     pub(super) rule: R,
-    /// Where its reader notes what it comes to.
+    /// Destination of the key's effective value.
     pub(super) notes: &'r Notes,
 }
 
-/// What a number may be, and what it is where a scene does not give it.
+/// Range and default of a number.
 pub(super) struct Bounds<N> {
     pub(super) range: RangeInclusive<N>,
     pub(super) default: N,
@@ -37,21 +37,21 @@ impl<T, R> Field<'_, T, R> {
         self.given.is_some()
     }
 
-    /// Notes what it comes to.
+    /// Records the key's effective value.
     pub(super) fn note(&self, text: KeyText) {
         self.notes.note(self.key, text);
     }
 }
 
 impl<T: Copy, R> Field<'_, T, R> {
-    /// The value that the file gives.
+    /// The value given in the file.
     pub(super) fn value(&self) -> Option<T> {
         self.given.map(|given| *given.get_ref())
     }
 }
 
 impl<R> Field<'_, bool, R> {
-    /// Whether it is on, by the file or by this default.
+    /// Whether the key is on, with this default.
     pub(super) fn is_on_or(&self, default: bool) -> bool {
         let is_on = self.value().unwrap_or(default);
         self.note(Ok(is_on.to_string()));
@@ -60,13 +60,13 @@ impl<R> Field<'_, bool, R> {
 }
 
 impl Field<'_, bool, bool> {
-    /// Whether it is on, by the file or by default.
+    /// Whether the key is on, with its declared default.
     pub(super) fn is_on(&self) -> bool {
         self.is_on_or(self.rule)
     }
 }
 
-/// The satellite's own key, or the one for all. What it comes to is noted with the satellite.
+/// The satellite's own key, or the common one. The effective value is recorded with the satellite.
 pub(super) fn own_or<'r, T, R>(own: Field<'r, T, R>, common: Field<'r, T, R>) -> Field<'r, T, R> {
     match own.is_given() {
         true => own,
@@ -78,7 +78,7 @@ pub(super) fn own_or<'r, T, R>(own: Field<'r, T, R>, common: Field<'r, T, R>) ->
 }
 
 impl SceneText<'_> {
-    /// A finite number in its range, or its default; `remedy` gets the number that is not, and the range as text.
+    /// A finite number in its range, or its default. `remedy` receives an invalid number, and the range as text.
     pub(super) fn number(
         &self,
         field: &Field<'_, f64, Bounds<f64>>,
@@ -93,13 +93,13 @@ impl SceneText<'_> {
         Ok(value)
     }
 
-    /// The same, with the usual remedy, for ranges that are best written with exponents.
+    /// As `number` with a standard remedy, for ranges that are best written with exponents.
     pub(super) fn quantity(&self, field: &Field<'_, f64, Bounds<f64>>) -> Result<f64, SceneError> {
         let Bounds { range, default } = &field.rule;
         self.quantity_in(field, range, *default, field.of)
     }
 
-    /// The same where the default is not always the same.
+    /// The same with a variable default.
     pub(super) fn quantity_or(
         &self,
         field: &Field<'_, f64, RangeInclusive<f64>>,
@@ -108,7 +108,7 @@ impl SceneText<'_> {
         self.quantity_in(field, &field.rule, default, field.of)
     }
 
-    /// The same with another word for the unit.
+    /// The same with another unit text.
     pub(super) fn quantity_in<R>(
         &self,
         field: &Field<'_, f64, R>,
@@ -122,7 +122,8 @@ impl SceneText<'_> {
         Ok(value)
     }
 
-    /// A finite number in a range, which is not noted; `remedy` gets the number that is not.
+    /// Checks a finite number against a range, without recording it. `remedy` receives an invalid
+    /// number.
     pub(super) fn in_range<R>(
         &self,
         field: &Field<'_, f64, R>,
@@ -139,7 +140,7 @@ impl SceneText<'_> {
         Ok(value)
     }
 
-    /// A whole number in its range, or its default; `remedy` gets the range as text.
+    /// An integer in its range, or its default; `remedy` receives the range as text.
     pub(super) fn count(
         &self,
         field: &Field<'_, i64, Bounds<i64>>,
@@ -160,7 +161,7 @@ impl SceneText<'_> {
         self.choice_or(field, field.rule)
     }
 
-    /// The same where the default is not always the same.
+    /// The same with a variable default.
     pub(super) fn choice_or<T: for<'de> Deserialize<'de> + Serialize, R>(
         &self,
         field: &Field<'_, Choice<T>, R>,
@@ -197,7 +198,7 @@ impl SceneText<'_> {
         })
     }
 
-    /// A path relative to the scene's folder, of something that is there; `without` is why there is none.
+    /// An existing path relative to the scene's folder; `without` is the reason if no path is given.
     pub(super) fn path(
         &self,
         field: &Field<'_, RawPath>,
@@ -213,7 +214,7 @@ impl SceneText<'_> {
         Ok(Some(path))
     }
 
-    /// A path relative to the scene's folder, of something that is there.
+    /// Resolves an existing path relative to the scene's folder.
     pub(super) fn existing<F>(
         &self,
         field: &Field<'_, F>,
@@ -248,7 +249,8 @@ impl SceneText<'_> {
         }
     }
 
-    /// Rejects a key that has no meaning in the scene where the file gives it; else notes why it has none.
+    /// Rejects a given key that has no meaning in the scene. Otherwise records the reason why it has no
+    /// value.
     pub(super) fn idle<T, R>(
         &self,
         field: &Field<'_, T, R>,
@@ -262,7 +264,7 @@ impl SceneText<'_> {
         Ok(())
     }
 
-    /// Rejects a table without a key that it must have; `given` are the keys that it has.
+    /// The error for a table without a required key; `given` are its keys.
     pub(super) fn missing<T, R, K>(
         &self,
         field: &Field<'_, T, R>,
@@ -281,7 +283,7 @@ impl SceneText<'_> {
         }
     }
 
-    /// Rejects a key that the file gives, by the span of its value.
+    /// Rejects a key of the file by the span of its value.
     pub(super) fn reject_at(
         &self,
         table: &str,
@@ -301,7 +303,7 @@ impl SceneText<'_> {
         }
     }
 
-    /// Rejects a key's value, or its default where the file gives none.
+    /// Rejects a key's value, or its default if the file gives none.
     pub(super) fn reject<T, R>(&self, field: &Field<'_, T, R>, remedy: impl Display) -> SceneError {
         let span = field.given.map(Spanned::span);
         SceneError::Value {
@@ -320,12 +322,12 @@ impl SceneText<'_> {
     }
 }
 
-/// A path as a scene gives it, relative to the scene's folder. A key with a path has this type: tests find it by that.
+/// A path in a scene, relative to the scene's folder. Every key with a path has this type; tests rely on it.
 #[derive(Debug, Deserialize)]
 #[serde(transparent)]
 pub(super) struct RawPath(pub(super) String);
 
-/// A word as a scene gives it, which should be the name of one of an enum's values.
+/// A word in a scene that should name a value of an enum.
 #[derive(Debug, Deserialize)]
 #[serde(transparent, bound = "")]
 pub(super) struct Choice<T> {
@@ -334,17 +336,17 @@ pub(super) struct Choice<T> {
     of: PhantomData<T>,
 }
 
-/// Maps with their dates, whose files are paths; checked by dated_maps.rs.
+/// Dated maps with file paths; checked by dated_maps.rs.
 #[derive(Debug, Deserialize)]
 #[serde(transparent)]
 pub(super) struct RawDatedMaps(pub(super) toml::Value);
 
-/// A tone curve by name, or a measured one with its file; checked by tone.rs.
+/// A named tone curve, or a measured one with its file; checked by tone.rs.
 #[derive(Debug, Deserialize)]
 #[serde(transparent)]
 pub(super) struct RawTone(pub(super) toml::Value);
 
-/// What a tone must be.
+/// Accepted forms of a tone.
 pub(super) fn tone_forms() -> String {
     let names = names_of::<Tone>().iter().map(|name| format!("\"{name}\""));
     let names: Vec<_> = names.collect();
@@ -354,27 +356,27 @@ pub(super) fn tone_forms() -> String {
     )
 }
 
-/// What the camera looks at, checked by look_at.rs.
+/// Target of the camera; checked by look_at.rs.
 #[derive(Debug, Deserialize)]
 #[serde(transparent)]
 pub(super) struct RawLookAt(pub(super) toml::Value);
 
-/// What the camera may look at.
+/// Accepted targets of the camera.
 pub(super) fn look_at_forms() -> String {
     "\"sun\", \"moon\", \"satellite\", a satellite's name, or a place, { lat_deg = 48.2, lon_deg = 16.4, height_km = 0 }".to_owned()
 }
 
-/// One of `[[camera.keys]]`, checked by camera_keys.rs.
+/// An entry of `[[camera.keys]]`; checked by camera_keys.rs.
 pub(super) type RawCameraKey = BTreeMap<String, Spanned<toml::Value>>;
 
-/// What a path must lead to.
+/// Required kind of a path.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum PathKind {
     File,
     Folder,
 }
 
-/// What serde says of a name that an enum does not have: the names it has.
+/// serde's error for an unknown enum name; it lists the known names.
 #[derive(Debug)]
 struct UnknownName(&'static [&'static str]);
 
@@ -396,18 +398,18 @@ impl serde::de::Error for UnknownName {
     }
 }
 
-/// The value of an enum that its serde derive spells so.
+/// The enum value with this serde name.
 fn named<T: for<'de> Deserialize<'de>>(word: &str) -> Result<T, UnknownName> {
     T::deserialize(StrDeserializer::new(word))
 }
 
-/// The names of an enum's values, in their order.
+/// The names of an enum's values, in order.
 pub(super) fn names_of<T: for<'de> Deserialize<'de>>() -> &'static [&'static str] {
     let unnamed = named::<T>("").err();
     unnamed.map_or(&[], |UnknownName(names)| names)
 }
 
-/// The name of an enum's value as a scene writes it.
+/// The name of an enum value in scene syntax.
 pub(super) fn written(value: &impl serde::Serialize) -> String {
     match toml::Value::try_from(value) {
         Ok(toml::Value::String(name)) => name,
@@ -416,7 +418,7 @@ pub(super) fn written(value: &impl serde::Serialize) -> String {
     }
 }
 
-/// A whole number, if it is in the range and not negative.
+/// Converts an integer if it is in the range and not negative.
 pub(super) fn whole(value: i64, range: &RangeInclusive<i64>) -> Option<u32> {
     u32::try_from(value).ok().filter(|_| range.contains(&value))
 }
@@ -426,13 +428,13 @@ pub(super) fn range_text<T: Display>(range: &RangeInclusive<T>) -> String {
     format!("{} to {}", range.start(), range.end()).replace('-', "−")
 }
 
-/// A remedy with a range and its unit, if it has one.
+/// A remedy with a range and an optional unit.
 fn must_be_within(range: &RangeInclusive<f64>, unit: &str) -> String {
     let text = format!("must be from {} {unit}", short_range_text(range));
     text.trim_end().to_owned()
 }
 
-/// The text of a range in few characters: "−1e11 to 1e11".
+/// A compact text of a range: "−1e11 to 1e11".
 pub(super) fn short_range_text(range: &RangeInclusive<f64>) -> String {
     let short = |bound: f64| {
         let text = match bound != 0.0 && !(1e-3..1e6).contains(&bound.abs()) {
@@ -447,5 +449,5 @@ pub(super) fn short_range_text(range: &RangeInclusive<f64>) -> String {
     format!("{} to {}", short(*range.start()), short(*range.end()))
 }
 
-/// Why nothing of satellites has a value in a scene without any.
+/// Why satellite keys have no value in a scene without satellites.
 pub(super) const NO_ORBIT: &str = "the camera stands over a place on the ground";

@@ -1,4 +1,4 @@
-//! What a satellite's sensor sees: its field of view, the footprint and the swath.
+//! A satellite's sensor: its field of view, footprint and swath.
 
 use super::error::SceneError;
 use super::field::{own_or, range_text};
@@ -9,10 +9,10 @@ use super::track_span::TrackSpan;
 use terrella_orbit::{FieldOfView, FieldShape};
 use toml::Spanned;
 
-/// Why keys of a footprint come to nothing.
+/// Why footprint keys have no value.
 const UNSHOWN: &str = "only for footprint = true";
 
-/// The ground that a sensor sees.
+/// The ground visible to a sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Footprint {
     /// Its field of view; `None` is all the ground in sight.
@@ -26,13 +26,13 @@ pub struct Footprint {
 }
 
 impl Footprint {
-    /// In words, as a summary has them.
+    /// Description for a summary.
     pub fn words(&self) -> String {
         let tinted = if self.fill { ", tinted" } else { "" };
         let Some(field) = self.field else {
             return format!("footprint to the horizon{tinted}");
         };
-        // Degrees as the scene has them, which radians have rounded.
+        // Degrees as in the scene, without the rounding of radians.
         let deg = |rad: f64| (1e9 * rad.to_degrees()).round() / 1e9;
         let shape = match field.shape {
             FieldShape::Cone { half_angle_rad } => format!("{}°", deg(half_angle_rad)),
@@ -49,8 +49,8 @@ impl Footprint {
 }
 
 impl SceneText<'_> {
-    /// Checks what is drawn of a satellite's sensor; answers its field of view besides. That counts without being drawn in a scene with a map of
-    /// coverage.
+    /// Checks the drawn parts of a satellite's sensor, and returns them with its field of view. In a scene with a coverage map the field of view
+    /// counts even if it is not drawn.
     pub(super) fn footprint(
         &self,
         orbit: &RawOrbit,
@@ -63,7 +63,7 @@ impl SceneText<'_> {
         let swath_span = self.span(&swath)?;
         let fill = own_or(orbit.footprint_fill(), tracks.footprint_fill());
         let lines = own_or(orbit.sensor_lines(), tracks.sensor_lines());
-        // A sensor and a swath are given to be seen.
+        // A given sensor or swath is shown by default.
         let is_shown = shown.is_on_or(field.is_some() || swath_span.is_some());
         if is_shown {
             let footprint = Footprint {
@@ -74,7 +74,7 @@ impl SceneText<'_> {
             };
             return Ok((Some(footprint), field));
         }
-        // `footprint = false` of one satellite puts out what `[tracks]` has for all.
+        // `footprint = false` of one satellite overrides the keys of `[tracks]`.
         let is_meant = |table: &str| !shown.is_given() || shown.table == table;
         let is_idle = |table: &str| !has_coverage && is_meant(table);
         let angle = own_or(
@@ -114,7 +114,7 @@ impl SceneText<'_> {
         Ok((None, field))
     }
 
-    /// Checks the field of view; `None` is all the ground in sight.
+    /// Checks the field of view; `None` means all visible ground.
     fn field_of_view(
         &self,
         orbit: &RawOrbit,
@@ -130,7 +130,7 @@ impl SceneText<'_> {
         );
         let off_nadir = own_or(orbit.sensor_off_nadir_deg(), tracks.sensor_off_nadir_deg());
         let azimuth = own_or(orbit.sensor_azimuth_deg(), tracks.sensor_azimuth_deg());
-        // A satellite's own form goes before the other one of all.
+        // A satellite's own shape overrides the other shape in `[tracks]`.
         let (has_cone, has_rectangle) = match (cone.is_given(), rectangle.is_given()) {
             (true, true) if cone.table != rectangle.table => {
                 (cone.table == "orbit", rectangle.table == "orbit")

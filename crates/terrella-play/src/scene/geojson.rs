@@ -1,4 +1,4 @@
-//! `[[geojson]]`: files of lines, outlines and points on the globe.
+//! `[[geojson]]`: files with lines, outlines and points on the globe.
 
 use super::Scene;
 use super::error::{SceneError, printable};
@@ -8,14 +8,14 @@ use super::record::quoted;
 use super::text::SceneText;
 use std::path::PathBuf;
 
-/// Why no key of a file has a value.
+/// Why keys of a file have no value.
 pub(super) const NO_GEOJSON: &str = "the scene has no [[geojson]]";
-/// Colour where a scene gives none.
+/// Default colour.
 const COLOR: &str = "#ffd166";
-/// The property with names where a scene gives none: that of simplestyle-spec.
+/// Default property with names: that of simplestyle-spec.
 const NAME_KEY: &str = "title";
 
-/// A file of GeoJSON and how what has no style of its own in it is drawn.
+/// A GeoJSON file, and the default style of its features.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GeojsonTable {
     /// The file.
@@ -74,7 +74,7 @@ impl SceneText<'_> {
 }
 
 impl Scene {
-    /// What files of GeoJSON are drawn.
+    /// Descriptions of the drawn GeoJSON files.
     pub(super) fn geojson_uses(&self) -> impl Iterator<Item = (&'static str, String)> {
         self.geojson.iter().map(|table| {
             let file = printable(&table.file.display().to_string());

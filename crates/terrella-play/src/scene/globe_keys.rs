@@ -1,5 +1,5 @@
-//! Declares the keys of `[layers]`, `[[geojson]]` and `[[station]]`, what is drawn on the globe, as [`keys`](super::keys) does those of the
-//! other tables.
+//! Declares the keys of `[layers]`, `[[geojson]]` and `[[station]]`, which are drawn on the globe. [`keys`](super::keys) declares those of
+//! the other tables.
 
 use super::field::{Bounds, Field, RawPath};
 use super::keys::{LAT_DEG, LON_DEG};
@@ -14,13 +14,13 @@ use serde_json::json;
 use std::ops::{Range, RangeInclusive};
 use toml::Spanned;
 
-/// Most ground stations, `[[station]]` tables, in one scene: a frame computes a circle for each.
+/// Maximum ground stations, `[[station]]` tables, in one scene: a frame computes a circle for each.
 pub(super) const MAX_STATIONS: usize = 200;
-/// Most files of GeoJSON, `[[geojson]]` tables, in one scene.
+/// Maximum GeoJSON files, `[[geojson]]` tables, in one scene.
 pub(super) const MAX_GEOJSON: usize = 32;
 /// `step_deg` of `graticule`, degrees.
 pub(super) const GRATICULE_STEP_DEG: RangeInclusive<f64> = 1.0..=90.0;
-/// Greatest number of `place_names`.
+/// Range of the maximum number in `place_names`.
 pub(super) const PLACE_NAMES: RangeInclusive<i64> = 1..=500;
 /// Opacity of lines.
 const OPACITY: RangeInclusive<f64> = 0.01..=1.0;

@@ -1,4 +1,4 @@
-//! The keys of `[output]` that are about white balance and grain.
+//! Keys of `[output]` about white balance and grain.
 
 use super::earth::EarthTable;
 use super::error::SceneError;

@@ -1,6 +1,5 @@
-//! Declares the scene keys, each once: its name, the type of its value, the numbers that it may be, what it is where a scene
-//! leaves it out, where it has a meaning and what that is. [`table`](super::table) explains the form. The sentences
-//! above the keys are those of `docs/scene-reference.md`.
+//! Declares each scene key once: its name, value type, range, default, scope and meaning. [`table`](super::table) explains
+//! the form. The sentences above the keys appear in `docs/scene-reference.md`.
 
 use super::caption_keys::RawCaption;
 use super::choices::{CameraMode, CameraUp, Look, OrbitSource, StorageChoice};
@@ -30,76 +29,77 @@ use terrella_ground::globe::{Figure, LevelRule, Shading, SurfaceKind, Visibility
 use terrella_ground::light::{Bloom, Grain, WhiteBalance};
 use toml::Spanned;
 
-/// First and last year (UTC) that a scene may reach: those of [`utc_from_rfc3339`](terrella::frames::utc_from_rfc3339).
+/// First and last year (UTC) of scenes, as in [`utc_from_rfc3339`](terrella::frames::utc_from_rfc3339).
 pub(crate) const YEARS: RangeInclusive<i32> = 1900..=2099;
-/// Most frames in one playback (at 30 per second, almost four days).
+/// Maximum frames in one playback (at 30 per second, almost four days).
 pub(super) const MAX_FRAMES: f64 = 1e7;
-/// Most satellites, `[[orbit]]` tables, in one scene.
+/// Maximum satellites, `[[orbit]]` tables, in one scene.
 pub(super) const MAX_ORBITS: usize = 1000;
-/// Most satellites of one scene whose states simulators send: each has threads and a port of its own.
+/// Maximum satellites of one scene with states from simulators: each needs threads and a port.
 pub(super) const MAX_LIVE_ORBITS: usize = 64;
-/// Most web pages that may connect to a simulator's port.
+/// Maximum web pages that may connect to a simulator's port.
 pub(super) const MAX_ORIGINS: usize = 16;
-/// Most burns of one satellite.
+/// Maximum burns of one satellite.
 pub(super) const MAX_BURNS: usize = 1000;
 /// Length of a burn, seconds: at most a year.
 pub(super) const BURN_S: RangeInclusive<f64> = 1e-3..=3.2e7;
-/// Each part of a burn's acceleration, m/s².
+/// Range of each component of a burn's acceleration, m/s².
 pub(super) const BURN_M_S2: RangeInclusive<f64> = -1e3..=1e3;
-/// Most maps of a layer that change with the date.
+/// Maximum dated maps of a layer.
 pub(super) const MAX_DATED_MAPS: usize = 1000;
-/// Most keys of a camera.
+/// Maximum keyframes of a camera.
 pub(super) const MAX_CAMERA_KEYS: usize = 10_000;
-/// Most files of heights.
+/// Maximum number of elevation files.
 pub(super) const MAX_ELEVATION_FILES: usize = 1000;
 
-/// `[time] start` where a scene gives none and no satellite has a time of its own.
+/// Default of `[time] start` if no satellite has its own time.
 pub(super) const DEFAULT_START: &str = "2018-01-15T12:00:00Z";
-/// `[output] size` where a scene gives none.
+/// Default of `[output] size`.
 pub(super) const DEFAULT_SIZE_PX: [u32; 2] = [1280, 720];
-/// `[output] samples` where a scene gives none and there are edges to be seen: a craft's, or a limb without air. Else one.
+/// Default of `[output] samples` with visible edges: a craft, or a limb without an atmosphere. Otherwise the default is
+/// one.
 pub const EDGE_SAMPLES: u32 = 4;
-/// `[output] samples`: the counts that every adapter can do.
+/// `[output] samples`: the counts that every adapter supports.
 pub(super) const SAMPLES: [u32; 2] = [1, 4];
-/// `[earth] tolerance_px` where a scene gives none.
+/// Default of `[earth] tolerance_px`.
 pub const DEFAULT_TOLERANCE_PX: f64 = 1.0;
 
 /// `samples` of `[earth.clipmap]`: along an edge of a level.
 pub(super) const CLIPMAP_SAMPLES: [i64; 3] = [65, 129, 257];
-/// `levels` of `[earth.clipmap]`, besides the globe's.
+/// `levels` of `[earth.clipmap]`, in addition to the globe's.
 pub(super) const CLIPMAP_LEVELS: RangeInclusive<i64> =
     0..=terrella_ground::globe::clipmap::MAX_LEVELS as i64;
-/// `samples` of `[earth.projected_grid]`, across and down.
+/// `samples` of `[earth.projected_grid]`, horizontally and vertically.
 pub(super) const GRID_SAMPLES: RangeInclusive<i64> = 2..=1025;
-/// `lambda` of `[earth.quadtree]`: metres of distance for a metre of error.
+/// `lambda` of `[earth.quadtree]`: metres of distance per metre of error.
 pub(super) const QUADTREE_LAMBDA: RangeInclusive<f64> = 1.0..=1e6;
-/// `max_leaves` of `[earth.quadtree]`: up to 1 GB of them.
+/// `max_leaves` of `[earth.quadtree]`: up to 1 GB of leaves.
 pub(super) const MAX_LEAVES: RangeInclusive<i64> = 512..=1_000_000;
 
 /// Seeds of noise.
 pub(super) const SEED: RangeInclusive<i64> = 0..=u32::MAX as i64;
 
-/// Angles that may be given as any turn, degrees.
+/// Angles with any sign within 360°, degrees.
 pub(super) const TURN_DEG: RangeInclusive<f64> = -360.0..=360.0;
 /// Geodetic latitude, degrees.
 pub(super) const LAT_DEG: RangeInclusive<f64> = -90.0..=90.0;
 
-/// A range of metres, in kilometres.
+/// Converts a range in metres to kilometres.
 const fn km(metres: RangeInclusive<f64>) -> RangeInclusive<f64> {
     *metres.start() / 1000.0..=*metres.end() / 1000.0
 }
-/// Longitude east, degrees, before it is brought to −180…180.
+/// Longitude east, degrees, before wrapping to −180…180.
 pub(super) const LON_DEG: RangeInclusive<f64> = TURN_DEG;
-/// Width and height of the picture, pixels: the largest texture side that desktop adapters promise.
+/// Width and height of the image, pixels: the largest texture side guaranteed by desktop adapters.
 pub(super) const SIDE_PX: RangeInclusive<i64> = 1..=16_384;
 
-/// Keys by other names that scenes once had, with those that they have now.
+/// Former names of keys, with their current names.
 pub(super) const RENAMED: &[(&str, &str)] = &[
     ("node_deg", "raan_deg"),
     ("argument_deg", "argument_of_periapsis_deg"),
 ];
 
-/// A key of the sources of `[orbit]` alone.
+/// The scope of a key of `[orbit]` for some sources.
 pub(super) const fn only(sources: &'static [OrbitSource], why: &'static str) -> Only {
     Only { why, sources }
 }
@@ -131,7 +131,7 @@ table!(RawTime = "time" {
     orientation: RawPath, of "a file like finals2000A.all";
 });
 
-/// A table, or the same as a list: `[orbit]`, or `[[orbit]]` as often as there are satellites.
+/// A table or a list of tables: `[orbit]`, or one `[[orbit]]` per satellite.
 #[derive(Debug)]
 pub(super) struct OneOrMore<T>(pub(super) Vec<T>);
 
@@ -145,7 +145,7 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for OneOrMore<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct TableOrList<T>(PhantomData<T>);
 
-        // An untagged enum would lose the places of keys and values.
+        // An untagged enum would lose the spans of keys and values.
         impl<'de, T: Deserialize<'de>> Visitor<'de> for TableOrList<T> {
             type Value = OneOrMore<T>;
 
@@ -375,7 +375,7 @@ pub(super) struct RawScene {
     pub(super) quality: RawQuality,
 }
 
-/// Every table and key, in the order in which a scene is best written.
+/// All tables and keys, in the recommended order of a scene.
 pub(super) const TABLES: &[Table] = &[
     RawTime::TABLE,
     RawOrbit::TABLE,

@@ -1,4 +1,4 @@
-//! `[layers]`: lines and names on the globe that stand still on it.
+//! `[layers]`: fixed lines and names on the globe.
 
 use super::Scene;
 use super::error::{SceneError, printable};
@@ -10,11 +10,11 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use toml::Spanned;
 
-/// `step_deg` of `graticule` where a scene gives none.
+/// Default of `step_deg` of `graticule`.
 const STEP_DEG: f64 = 10.0;
-/// Most names in a picture where a scene gives no number.
+/// Default maximum of names in an image.
 const NAMES: u32 = 60;
-/// Colours where a scene gives none.
+/// Default colours.
 const GRATICULE_COLOR: &str = "#ffffff";
 const COAST_LINES_COLOR: &str = "#fff2c4";
 const BORDERS_COLOR: &str = "#ffffff";
@@ -42,7 +42,7 @@ pub struct LayersTable {
     pub vector_map: Option<PathBuf>,
 }
 
-/// How lines are drawn.
+/// Style of lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineLook {
     /// Display values (sRGB).
@@ -63,13 +63,13 @@ impl LayersTable {
         self.graticule.is_some() || own.iter().any(Option::is_some) || self.needs_vector_map()
     }
 
-    /// Whether anything is drawn of a file.
+    /// Whether layers from the vector map are drawn.
     pub fn needs_vector_map(&self) -> bool {
         self.coast_lines.is_some() || self.borders.is_some()
     }
 }
 
-/// A number with a default, as its key has it.
+/// A number with a default, as declared by its key.
 type Number<'r> = Field<'r, f64, super::field::Bounds<f64>>;
 
 impl SceneText<'_> {
@@ -165,7 +165,7 @@ impl SceneText<'_> {
         }))
     }
 
-    /// Most names in a picture, if there are names.
+    /// Maximum names in an image, if names are drawn.
     fn place_names(&self, field: &Field<'_, toml::Value>) -> Result<Option<u32>, SceneError> {
         let names = match field.given.map(Spanned::get_ref) {
             None | Some(toml::Value::Boolean(false)) => None,
@@ -183,7 +183,7 @@ impl SceneText<'_> {
         Ok(names)
     }
 
-    /// Degrees from line to line, if there are lines.
+    /// Degrees between lines, if lines are drawn.
     fn graticule(&self, field: &Field<'_, toml::Value>) -> Result<Option<f64>, SceneError> {
         let range: &RangeInclusive<f64> = &GRATICULE_STEP_DEG;
         let advice = || {
@@ -207,7 +207,7 @@ impl SceneText<'_> {
                 }
                 let step = match entries.get("step_deg") {
                     None => Some(STEP_DEG),
-                    // Whole degrees: i64 as f64 is exact in the range that is taken.
+                    // Integer degrees: i64 as f64 is exact in the accepted range.
                     Some(toml::Value::Integer(whole)) => Some(*whole as f64),
                     Some(toml::Value::Float(step)) => Some(*step),
                     Some(_) => None,
@@ -226,7 +226,7 @@ impl SceneText<'_> {
 }
 
 impl Scene {
-    /// What lines stand on the globe.
+    /// Description of the lines on the globe.
     pub(super) fn line_uses(&self) -> Option<(&'static str, String)> {
         let layers = &self.layers;
         let graticule = layers.graticule;

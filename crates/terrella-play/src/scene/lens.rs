@@ -1,4 +1,4 @@
-//! `[lens]`: the aperture, which diffracts the Sun's light to spikes, and ghosts.
+//! `[lens]`: the aperture, which diffracts sunlight into spikes, and ghosts.
 
 use super::error::SceneError;
 use super::field::{Bounds, Field, range_text, whole};
@@ -36,7 +36,7 @@ table!(RawLens = "lens" {
 });
 
 impl SceneText<'_> {
-    /// Checks `[lens]`: the aperture whose diffraction is drawn, and ghosts.
+    /// Checks `[lens]`: the drawn diffraction of the aperture, and ghosts.
     pub(super) fn lens_table(
         &self,
         lens: &RawLens,

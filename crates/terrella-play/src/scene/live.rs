@@ -1,4 +1,4 @@
-//! `[orbit] source = "live"`: states that a simulator sends, and what several of them can share.
+//! `[orbit] source = "live"`: states sent by a simulator, and sharing rules for several of them.
 
 use super::error::{SceneError, printable};
 use super::field::{Bounds, Field};
@@ -11,7 +11,7 @@ use std::time::Duration;
 use terrella_orbit::live::{Extrapolation, LiveOptions, Pacing, Transport};
 
 impl SceneText<'_> {
-    /// How the states of one satellite are taken.
+    /// Options for receiving the states of one satellite.
     pub(super) fn live(
         &self,
         orbit: &RawOrbit,
@@ -65,7 +65,7 @@ impl SceneText<'_> {
         })
     }
 
-    /// Rejects keys that have no meaning with the way in or the pacing.
+    /// Rejects keys without meaning for the transport or the pacing.
     fn live_keys_fit(
         &self,
         orbit: &RawOrbit,
@@ -119,8 +119,8 @@ impl SceneText<'_> {
         }
     }
 
-    /// Rejects live satellites that cannot be in one scene: two on one port or both on standard input, two whose
-    /// simulators both wait, too many.
+    /// Rejects live satellites that cannot share a scene: two on one port or on standard input, two waiting
+    /// simulators, or too many.
     pub(super) fn live_together(
         &self,
         raw: &[RawOrbit],
@@ -157,7 +157,7 @@ impl SceneText<'_> {
     }
 }
 
-/// Why a key does nothing with the way in or the pacing; `None` where it does something.
+/// Why a key has no effect with the transport or the pacing; `None` if it has one.
 fn idle(transport: &Transport, pacing: Pacing, key: &str) -> Option<&'static str> {
     let is_lockstep = pacing == Pacing::Lockstep;
     match key {
@@ -180,7 +180,7 @@ fn idle(transport: &Transport, pacing: Pacing, key: &str) -> Option<&'static str
     }
 }
 
-/// The text of what a live satellite flies by.
+/// Description of a live satellite's source.
 pub(super) fn flies_by(options: &LiveOptions) -> String {
     let whose = format!("{} on {}", printable(&options.name), options.transport);
     let beyond = match options.extrapolation {

@@ -1,4 +1,4 @@
-//! `[camera] look_at`: what the camera keeps in the middle of the picture.
+//! `[camera] look_at`: the target in the centre of the image.
 
 use super::camera_keys::number_of;
 use super::error::{SceneError, printable};
@@ -12,17 +12,17 @@ use toml::{Spanned, Table, Value};
 /// `[camera] look_at`
 #[derive(Clone, Debug, PartialEq)]
 pub enum LookAt {
-    /// The Sun's middle.
+    /// The centre of the Sun.
     Sun,
-    /// The Moon's middle.
+    /// The centre of the Moon.
     Moon,
-    /// A satellite of the scene by its name; `None` is the one that `follow` names.
+    /// A satellite of the scene by name; `None` is the one named by `follow`.
     Satellite(Option<String>),
     /// A place: latitude and longitude, degrees, and height above the ellipsoid, kilometres.
     Place([f64; 3]),
 }
 
-/// Why a camera does not look at the satellite that carries it.
+/// Why a camera cannot look at the satellite that carries it.
 pub(super) const ON_BOARD: &str = "is the satellite that the camera is on; give another's name, or write mode = \"chase\" or \"geodetic\"";
 /// Height of a place above the ellipsoid, kilometres.
 pub(super) const PLACE_HEIGHT_KM: RangeInclusive<f64> = 0.0..=1e9;
@@ -30,7 +30,7 @@ pub(super) const PLACE_HEIGHT_KM: RangeInclusive<f64> = 0.0..=1e9;
 const PLACE: [&str; 3] = ["lat_deg", "lon_deg", "height_km"];
 
 impl LookAt {
-    /// As a scene has it.
+    /// The value in scene syntax.
     fn text(&self) -> KeyText {
         match self {
             Self::Sun => quoted("sun"),
@@ -42,7 +42,7 @@ impl LookAt {
         }
     }
 
-    /// In words.
+    /// Description of the target.
     pub(super) fn words(&self) -> String {
         match self {
             Self::Sun => "the Sun".to_owned(),

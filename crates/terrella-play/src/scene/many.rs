@@ -1,4 +1,4 @@
-//! `all` of `[orbit]`: one table that flies many satellites of a file.
+//! `all` of `[orbit]`: one table for many satellites of a file.
 
 use super::Scene;
 use super::choices::OrbitSource;
@@ -11,24 +11,25 @@ use std::ops::RangeInclusive;
 use std::path::Path;
 use toml::Spanned;
 
-/// Most satellites of a scene: all that is tracked, several times over.
+/// Maximum satellites of a scene: several times all tracked objects.
 const MAX_SATELLITES: usize = 200_000;
 
-/// Which satellites of a file a table flies.
+/// Selection of satellites from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Many {
-    /// All of them.
+    /// All satellites.
     All,
-    /// Those whose name or designator matches a pattern, letter case aside: `*` is any text, `?` any one character.
+    /// Satellites whose name or designator matches a pattern, ignoring case: `*` is any text, `?` any one
+    /// character.
     Named(String),
-    /// Those whose catalogue numbers are in a range.
+    /// Satellites with catalogue numbers in a range.
     Numbered(RangeInclusive<u64>),
-    /// Those of a pattern that the scene describes, in place of a file.
+    /// Satellites of a pattern that the scene describes, without a file.
     Pattern(Walker),
 }
 
 impl Many {
-    /// From what a scene says between quotation marks.
+    /// Parses the string of a scene.
     fn of_text(text: &str) -> Result<Self, &'static str> {
         let text = text.trim();
         if text.is_empty() {
@@ -47,7 +48,7 @@ impl Many {
         }
     }
 
-    /// Whether a satellite of these names and this catalogue number is one of them.
+    /// Whether a satellite with these names and this catalogue number is selected.
     pub fn has<'n>(
         &self,
         mut names: impl Iterator<Item = &'n str>,
@@ -60,7 +61,7 @@ impl Many {
         }
     }
 
-    /// Which they are, to stand before the name of their file.
+    /// Description of the selection, to precede the name of the file.
     pub fn text(&self) -> String {
         match self {
             Self::All => "all satellites".to_owned(),
@@ -73,13 +74,13 @@ impl Many {
     }
 }
 
-/// Whether a text matches a pattern. Where a `*` has been too short it is made longer by one character: no more work than the product of
-/// both lengths.
+/// Whether a text matches a pattern. On a mismatch the last `*` is extended by one character. The work is at most the product of both
+/// lengths.
 fn matches(pattern: &str, text: &str) -> bool {
     let fold = |text: &str| text.trim().to_lowercase().chars().collect::<Vec<_>>();
     let (pattern, text) = (fold(pattern), fold(text));
     let (mut p, mut t) = (0, 0);
-    // Behind the last `*`, and how far the text was when it was met.
+    // Position after the last `*`, and the text position when it was reached.
     let mut star: Option<(usize, usize)> = None;
     while let Some(&character) = text.get(t) {
         match (pattern.get(p), star) {
@@ -103,7 +104,7 @@ fn matches(pattern: &str, text: &str) -> bool {
 }
 
 impl SceneText<'_> {
-    /// Checks `all`; `has_name` is whether the table names one satellite.
+    /// Checks `all`; `has_name` tells whether the table names one satellite.
     pub(super) fn many(
         &self,
         orbit: &RawOrbit,
@@ -118,7 +119,7 @@ impl SceneText<'_> {
             None => Ok("false".to_owned()),
             Some(Many::All) => Ok("true".to_owned()),
             Some(Many::Named(pattern)) => super::record::quoted(pattern),
-            // A pattern is no value of this key.
+            // This key cannot hold a pattern.
             Some(Many::Pattern(_)) => Err("walker says which satellites are flown"),
             Some(Many::Numbered(range)) => Ok(format!("\"{}..{}\"", range.start(), range.end())),
         });
@@ -158,7 +159,7 @@ impl SceneText<'_> {
 }
 
 impl Scene {
-    /// Flies all satellites of a file of orbits that stands in place of a scene, where none of them is named.
+    /// Selects all satellites of an orbit file used in place of a scene, if none is named.
     pub fn take_all(&mut self) {
         let is_of_orbits = self.is_of_orbits();
         let orbits = self.orbits.iter_mut().zip(&mut self.orbit_records);
@@ -170,10 +171,10 @@ impl Scene {
         }
     }
 
-    /// Puts in the place of each table as many satellites as it flies: the table of each, and its name where one table flies many.
+    /// Replaces each table by its satellites. Each entry has the index of its table, and a name if the table selects many.
     ///
     /// # Errors
-    /// If they are too many.
+    /// Too many satellites.
     pub(crate) fn expand(
         &mut self,
         satellites: Vec<(usize, Option<String>)>,
@@ -205,12 +206,12 @@ impl Scene {
         Ok(())
     }
 
-    /// The place of a satellite's table among the tables `[[orbit]]`.
+    /// The index of a satellite's table among the `[[orbit]]` tables.
     pub fn orbit_table(&self, orbit: usize) -> usize {
         self.orbit_tables.get(orbit).copied().unwrap_or(orbit)
     }
 
-    /// The first satellite of each table, with how many the table flies.
+    /// The first satellite of each table, with the table's number of satellites.
     pub(super) fn first_of_tables(&self) -> Vec<(usize, usize)> {
         let mut firsts: Vec<(usize, usize)> = Vec::new();
         let mut table_before = None;
@@ -225,7 +226,7 @@ impl Scene {
         firsts
     }
 
-    /// The error that a table which is to fly many flies none.
+    /// The error for a table that selects many satellites but finds none.
     pub(crate) fn none_of_many(&self, orbit: usize, many: &Many, file: &Path) -> SceneError {
         let remedy = format!(
             "{} has no such satellite; terrella orbit {} --names lists those that it has",
@@ -257,7 +258,7 @@ mod tests {
         ] {
             assert_eq!(matches(pattern, text), is_match, "{pattern} {text}");
         }
-        // Nothing takes exponential time.
+        // No input takes exponential time.
         assert!(!matches(
             &"*a".repeat(64),
             &"a".repeat(63).repeat(2).replace('a', "b")

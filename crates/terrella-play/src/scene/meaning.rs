@@ -1,6 +1,6 @@
-//! Words that people know from other programs, and the tables and keys that mean the same here.
+//! Terms known from other programs, with the tables and keys of the same meaning here.
 
-/// Table, key, and other words for it. A word may stand in several rows of different tables.
+/// Table, key, and synonyms. A synonym may occur in several rows of different tables.
 const KEYS: &[(&str, &str, &[&str])] = &[
     (
         "time",
@@ -174,7 +174,7 @@ const KEYS: &[(&str, &str, &[&str])] = &[
     ("quality", "scale", &["render_scale", "resolution_scale"]),
 ];
 
-/// Table, and other words for it.
+/// Table, and synonyms.
 const TABLES: &[(&str, &[&str])] = &[
     ("orbit", &["craft", "satellite", "satellites", "spacecraft"]),
     ("tracks", &["track", "trail"]),
@@ -202,7 +202,7 @@ const TABLES: &[(&str, &[&str])] = &[
     ("quality", &["performance"]),
 ];
 
-/// The key that a word means, with its table: one of `table` if the word means one there, else one of another table.
+/// The key for a synonym, with its table. Keys of `table` take precedence over those of other tables.
 pub(super) fn key_meant(table: &str, word: &str) -> Option<(&'static str, &'static str)> {
     let word = folded(word);
     let mut rows = KEYS
@@ -213,7 +213,7 @@ pub(super) fn key_meant(table: &str, word: &str) -> Option<(&'static str, &'stat
     row.map(|(of, key, _)| (*of, *key))
 }
 
-/// The table that a word means.
+/// The table for a synonym.
 pub(super) fn table_meant(word: &str) -> Option<&'static str> {
     let word = folded(word);
     let mut rows = TABLES.iter();

@@ -1,4 +1,4 @@
-//! `[orbit]`, checked: a satellite and where its motion is from.
+//! `[orbit]` after checking: a satellite and the source of its motion.
 
 use super::choices::OrbitSource;
 use super::craft::CraftOptions;
@@ -13,7 +13,7 @@ use terrella_orbit::kepler::KeplerElements;
 use terrella_orbit::live::LiveOptions;
 use terrella_orbit::numerical::{AtmosphereModel, EventSelection, Solver, Spacecraft, Thrust};
 
-/// `[orbit]`, or one of several `[[orbit]]`: a satellite and where its motion is from.
+/// `[orbit]`, or one of several `[[orbit]]`: a satellite and the source of its motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Orbit {
     /// The kind of source.
@@ -41,7 +41,7 @@ pub struct Orbit {
 }
 
 impl Orbit {
-    /// What a scene has where it says nothing: the built-in space station.
+    /// The default of a scene: the built-in space station.
     pub(super) fn built_in() -> Self {
         Self {
             source: OrbitSource::Tle,
@@ -57,7 +57,7 @@ impl Orbit {
         }
     }
 
-    /// Flies as the satellite of that place in the table's pattern, if it has one.
+    /// Takes the elements of this index in the table's pattern, if it has one.
     pub(super) fn take_place(&mut self, place: u32) {
         if let (Some(Many::Pattern(walker)), Some(motion)) = (&self.all, &mut self.motion)
             && let OrbitParameters::Elements(elements) = &mut motion.start_mut().parameters
@@ -66,28 +66,28 @@ impl Orbit {
         }
     }
 
-    /// Whether a simulator that runs meanwhile says where it is.
+    /// Whether a running simulator supplies its state.
     pub fn is_simulated(&self) -> bool {
         self.live.is_some() || self.basilisk.is_some()
     }
 
-    /// Whether it flies by the elements of the space station that are built in.
+    /// Whether it uses the built-in elements of the space station.
     pub fn is_built_in(&self) -> bool {
         self.source == OrbitSource::Tle && self.file.is_none()
     }
 }
 
-/// A motion that a scene describes.
+/// A motion described in the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Motion {
-    /// On a conic.
+    /// Along a conic.
     Kepler {
         /// From where.
         start: InitialState,
         /// Whether node and periapsis drift by the Earth's flattening.
         j2: bool,
     },
-    /// Under forces.
+    /// Integrated under forces.
     Numerical {
         /// From where.
         start: InitialState,
@@ -97,14 +97,14 @@ pub enum Motion {
 }
 
 impl Motion {
-    /// From where.
+    /// Initial state.
     pub fn start(&self) -> &InitialState {
         match self {
             Self::Kepler { start, .. } | Self::Numerical { start, .. } => start,
         }
     }
 
-    /// From where, to be changed.
+    /// Initial state, mutable.
     pub(super) fn start_mut(&mut self) -> &mut InitialState {
         match self {
             Self::Kepler { start, .. } | Self::Numerical { start, .. } => start,
@@ -112,7 +112,7 @@ impl Motion {
     }
 }
 
-/// Where a motion starts.
+/// Initial state of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InitialState {
     /// Epoch of the state.
@@ -123,7 +123,7 @@ pub struct InitialState {
     pub parameters: OrbitParameters,
 }
 
-/// How a start is given.
+/// Parameters of an initial state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OrbitParameters {
     /// As classical elements.
@@ -137,7 +137,7 @@ pub enum OrbitParameters {
     },
 }
 
-/// Forces of a numerical motion, and how it is integrated.
+/// Forces of a numerical motion, and its integration options.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForceOptions {
     /// Degree of the Earth's gravity; 0 and 1 are a point.

@@ -1,4 +1,4 @@
-//! Checks `[orbit]`: sources of motion, which keys each takes, and the start and the forces of a motion.
+//! Checks `[orbit]`: sources of motion, their keys, initial state and forces.
 
 use super::choices::OrbitSource;
 use super::error::SceneError;
@@ -43,14 +43,15 @@ const ELEMENTS: &[&str] = &[
     "mean_anomaly_deg",
 ];
 
-/// Why a key has no meaning with a source; `None` where it has.
+/// Why a key has no meaning for a source; `None` if it has one.
 pub(super) fn foreign(source: OrbitSource, key: &Key) -> Option<&'static str> {
     let only = key.only?;
     (!only.sources.contains(&source)).then_some(only.why)
 }
 
 impl SceneText<'_> {
-    /// Checks one satellite. `scene_start` is its epoch where it gives none, `tracks` what is drawn of all.
+    /// Checks one satellite. `scene_start` is its default epoch; `tracks` holds the drawing options common
+    /// to all.
     pub(super) fn orbit(
         &self,
         orbit: &RawOrbit,
@@ -349,7 +350,7 @@ impl SceneText<'_> {
         let Some(&[x, y, z]) = field.given.map(Spanned::get_ref).map(Vec::as_slice) else {
             return Err(self.reject(field, "must be three numbers, [x, y, z]"));
         };
-        // A range does not contain a number that is none.
+        // A range never contains NaN.
         if ![x, y, z].iter().all(|part| field.rule.contains(part)) {
             let advice = format!(
                 "each number must be from {} {unit}",
@@ -363,7 +364,7 @@ impl SceneText<'_> {
     }
 }
 
-/// Sets what the keys of a satellite come to that flies by these elements, which no file gives.
+/// Records the key values of a satellite with these elements, which no file gives.
 pub(super) fn set_elements(record: &mut Record, elements: &KeplerElements) {
     let km = |metres: f64| Ok(rounded(metres / 1e3));
     let degrees = |radians: f64| Ok(rounded(radians.to_degrees()));
@@ -393,7 +394,7 @@ pub(super) fn set_elements(record: &mut Record, elements: &KeplerElements) {
     }
 }
 
-/// Twelve digits: what is left of a number after it went through other units.
+/// Twelve digits: the precision left after unit conversions.
 fn rounded(value: f64) -> String {
     let digits: f64 = format!("{value:.11e}").parse().unwrap_or(value);
     number_text(digits)

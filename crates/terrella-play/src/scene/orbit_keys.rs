@@ -60,7 +60,8 @@ const PUBLISHED: &Only = &only(
     "is for source = \"basilisk\", simulations that publish their steps",
 );
 
-/// A table with the keys of tracks between its own: `[tracks]` has them for all satellites, `[orbit]` for one.
+/// A table that includes the track keys among its own: `[tracks]` has them for all satellites, `[orbit]` for
+/// one.
 macro_rules! table_with_tracks {
     ($name:ident = $table:literal { $($before:tt)* } { $($after:tt)* }) => {
         table!($name = $table {
@@ -233,7 +234,7 @@ table_with_tracks!(RawOrbit = "orbit" {
     articulations: toml::Value, of "a list like [{ node = \"Panel\", axis = [0, 1, 0], track = \"sun\", normal = [0, 0, 1] }]";
 } {});
 
-/// The settings that a live feed has where a scene says nothing; the transport is always said.
+/// Default settings of a live feed; a scene always states the transport.
 fn usual_live() -> LiveOptions {
     LiveOptions::new(Transport::Stdin)
 }

@@ -1,4 +1,4 @@
-//! The part of the summary that is about satellites.
+//! The summary of satellites.
 
 use super::choices::OrbitSource;
 use super::error::printable;
@@ -7,7 +7,7 @@ use super::track_span::TrackSpan;
 use super::{Scene, basilisk, live};
 
 impl Scene {
-    /// What each satellite flies by.
+    /// Description of each satellite's source of motion.
     pub(super) fn orbit_uses(&self) -> Vec<(&'static str, String)> {
         let firsts = self.first_of_tables().into_iter();
         let firsts = firsts.filter_map(|(index, count)| Some((self.orbits.get(index)?, count)));
@@ -66,7 +66,7 @@ fn flies_by(orbit: &Orbit, count: usize) -> String {
 }
 
 impl Scene {
-    /// What is drawn of each satellite of which anything is.
+    /// Description of each satellite's drawn track, if any.
     pub(super) fn track_uses(&self) -> Vec<(&'static str, String)> {
         let firsts = self.first_of_tables().into_iter();
         let shown = firsts.filter_map(|(index, _)| Some((index, self.orbits.get(index)?)));

@@ -1,4 +1,4 @@
-//! `[output]` and `[quality]`: pictures, and the frame time that the window holds.
+//! `[output]` and `[quality]`: output images, and the window's frame time target.
 
 use super::camera::Camera;
 use super::choices::{CameraMode, Look};
@@ -39,8 +39,8 @@ pub struct Output {
     pub wait_s: f64,
 }
 
-/// `[quality]`: resolution, and a frame time that the window holds by giving up quality. Nothing more than the scale is given up in
-/// pictures that are kept.
+/// `[quality]`: resolution, and a frame time that the window maintains by reducing quality. Saved images are affected only by the
+/// scale.
 #[derive(Clone, Debug, PartialEq)]
 pub struct QualityTable {
     /// Most milliseconds that a frame may cost; `None` draws everything however long it takes.
@@ -63,7 +63,7 @@ impl Output {
 }
 
 impl SceneText<'_> {
-    /// Checks `[output]`. Some defaults follow from what is drawn.
+    /// Checks `[output]`. Some defaults depend on the drawn content.
     pub(super) fn output(
         &self,
         output: &RawOutput,
@@ -97,7 +97,8 @@ impl SceneText<'_> {
         let has_craft = camera.mode == CameraMode::Chase || has_model;
         let samples_field = output.samples();
         let samples = match samples_field.value() {
-            // The air hides the limb's edge; a craft's edges and a bare limb are seen.
+            // The atmosphere hides the limb's edge; edges of a craft and of a bare limb are
+            // visible.
             None if has_craft || earth.atmosphere == Atmosphere::None => {
                 EDGE_SAMPLES
             }

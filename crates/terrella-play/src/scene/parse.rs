@@ -1,4 +1,4 @@
-//! From text to tables and keys: the TOML reader's complaints become messages that name file, line, key, value and remedy.
+//! From text to tables and keys: TOML errors become messages with file, line, key, value and remedy.
 
 use super::error::{KeyLocation, SceneError, printable};
 use super::keys::{RENAMED, RawScene, TABLES};
@@ -9,7 +9,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
-/// Table, key, and why there is no such thing: what other programs draw.
+/// Table, key, and the reason why it does not exist: features that other programs draw.
 const NOT_DRAWN: &[(&str, &str, &str)] = &[(
     "geojson",
     "fill",
@@ -17,10 +17,10 @@ const NOT_DRAWN: &[(&str, &str, &str)] = &[(
 )];
 
 impl SceneText<'_> {
-    /// The file's text as tables and keys, or what is wrong with it.
+    /// The file's text as tables and keys, or the error.
     pub(super) fn parse(&self) -> Result<RawScene, SceneError> {
         let document = DeTable::parse(self.text).map_err(|error| self.syntax(&error))?;
-        // Where the reader stopped is all it says; the document says which key that is.
+        // The TOML reader reports only where it stopped; the document tells which key that is.
         let index = document.get_ref().clone();
         let deserializer = toml::Deserializer::from(document);
         serde::Deserialize::deserialize(deserializer).map_err(|error| self.explain(&error, &index))
@@ -50,7 +50,7 @@ impl SceneText<'_> {
         })
     }
 
-    /// The first thing in the document that no scene may have.
+    /// The error for the first invalid entry of the document.
     fn explain(&self, error: &toml::de::Error, document: &DeTable<'_>) -> SceneError {
         let stop = error.span().unwrap_or(0..0);
         for (name, value) in document {
@@ -86,11 +86,11 @@ impl SceneText<'_> {
                 return found;
             }
         }
-        // Not reached by any document tried; the reader's own words are then better than none.
+        // No tested document reaches this; the TOML reader's message is then better than none.
         self.syntax(error)
     }
 
-    /// The first thing in a table that it may not have.
+    /// The error for the first invalid entry of a table.
     fn explain_table(
         &self,
         table: &Table,
@@ -175,7 +175,7 @@ impl SceneText<'_> {
         let renamed = RENAMED.iter().find(|(old, _)| *old == word);
         let renamed = renamed.filter(|(_, new)| keys.clone().any(|key| key == *new));
         let meant = key_meant(table.name, word);
-        // A word that means a key of this table is not sent to another.
+        // A synonym for a key of this table is not redirected to another table.
         let home = home.filter(|_| meant.is_none_or(|(of, _)| of != table.name));
         let near = match meant {
             Some((of, key)) if of == table.name => Some(key.to_owned()),
@@ -220,7 +220,7 @@ impl SceneText<'_> {
     }
 }
 
-/// What a value is, with its article.
+/// The type of a value, with its article.
 pub(super) fn kind(value: &DeValue<'_>) -> &'static str {
     match value {
         DeValue::String(_) => "a string",

@@ -1,4 +1,4 @@
-//! `docs/scene-reference.md`: all keys of scenes, made from their declarations, and tests of what is said of keys elsewhere.
+//! `docs/scene-reference.md`: all scene keys, generated from their declarations, and tests of other statements about keys.
 
 use super::keys::TABLES;
 use super::schema::{default_of, parts, value_schema};
@@ -73,7 +73,7 @@ fn row([name, cells @ ..]: [&str; 5]) -> String {
     format!("| `{name}` |{}|", cells.join("|"))
 }
 
-/// What the value of a key must be, with its unit.
+/// Accepted values of a key, with unit.
 fn value_cell(key: &Key) -> String {
     let schema = value_text(&value_schema(key));
     match (key.about.shape)() {
@@ -151,7 +151,7 @@ mod tests {
         }
     }
 
-    /// Why a value does not conform to a schema; `None` where it does. Panics at a keyword that it does not know.
+    /// Why a value does not conform to a schema; `None` if it does. Panics at an unknown keyword.
     fn fault(value: &Value, schema: &Value, root: &Value) -> Option<String> {
         let rules = schema.as_object().expect("a schema is a table");
         rules.iter().find_map(|(rule, wanted)| {
@@ -209,7 +209,7 @@ mod tests {
         })
     }
 
-    /// A scene as JSON has it, dates as strings.
+    /// A scene as JSON, with dates as strings.
     fn json_of(value: toml::Value) -> Value {
         match value {
             toml::Value::Datetime(when) => when.to_string().into(),
@@ -286,7 +286,7 @@ mod tests {
         }
     }
 
-    /// The defaults that a comment gives: "Default: 512 and 4." is two.
+    /// The defaults stated in a comment: "Default: 512 and 4." has two.
     fn defaults_in(comment: &str) -> Vec<&str> {
         let Some((_, text)) = comment.split_once("Default: ") else {
             return Vec::new();
@@ -298,7 +298,7 @@ mod tests {
             .collect()
     }
 
-    /// A value as TOML has it, if it is one.
+    /// A TOML value, if the text is one.
     fn literal(text: &str) -> Option<Value> {
         let table: toml::Table = format!("value = {text}").parse().ok()?;
         let value = json_of(table["value"].clone());
@@ -306,8 +306,8 @@ mod tests {
         Some(value.as_f64().map_or(value, Value::from))
     }
 
-    /// Keys of a scene whose comment gives another default than the declared one, or that are commented out with another
-    /// value; and how many defaults were compared.
+    /// Keys of a scene whose comment states another default than the declared one, or that are commented out with
+    /// another value. Also returns the number of compared defaults.
     fn wrong_defaults(scene: &str) -> (Vec<String>, usize) {
         let (mut table, mut comment, mut keys_below) = (None, String::new(), 0);
         let (mut wrong, mut compared) = (Vec::new(), 0);
@@ -356,7 +356,7 @@ mod tests {
         let text = std::fs::read_to_string(path).expect("a scene");
         let (wrong, compared) = wrong_defaults(&text);
         assert!(wrong.is_empty(), "{wrong:#?}");
-        // Fewer would mean that the comments are no longer understood.
+        // A smaller number would mean that the comments are no longer parsed.
         assert!(compared > 100, "{compared} defaults were compared");
         for (right, bad) in [
             ("Default: 512 and 4.", "Default: 512 and 8."),
@@ -368,7 +368,7 @@ mod tests {
         }
     }
 
-    /// What the sentences above the keys say of defaults that depend on other keys.
+    /// Checks the sentences above the keys about defaults that depend on other keys.
     #[test]
     fn the_meaning_of_a_key_names_its_default() {
         let scene = Scene::from_toml("", Path::new("scene.toml")).expect("the empty scene");

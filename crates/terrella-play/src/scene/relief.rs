@@ -9,7 +9,7 @@ use super::text::SceneText;
 use std::path::PathBuf;
 use terrella_ground::globe::{Subdivision, SurfaceKind, SurfaceSettings, Visibility};
 
-/// The keys of `[earth]` that say how terrain is drawn.
+/// Keys of `[earth]` about drawing terrain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReliefTable {
     /// The surface that draws the ground.
@@ -29,7 +29,8 @@ pub struct ReliefTable {
 }
 
 impl SceneText<'_> {
-    /// Relief is drawn where a scene names heights, or a surface other than the blocks, which need none.
+    /// Terrain is drawn if a scene gives elevation data, or a surface other than blocks. Blocks need no
+    /// elevation data.
     pub(super) fn relief(&self, earth: &RawEarth) -> Result<Option<ReliefTable>, SceneError> {
         let elevation_field = earth.elevation();
         let pack_heights_mb = self.pack_heights_mb(earth)?;
@@ -73,7 +74,7 @@ impl SceneText<'_> {
         }))
     }
 
-    /// Rejects a key that has no meaning without relief.
+    /// Rejects a key without meaning if there is no terrain.
     fn only_with_relief<T, R>(&self, field: &Field<'_, T, R>) -> Result<(), SceneError> {
         let advice = format!(
             "{} is for terrain; leave it out, or set elevation = [] (the starter pack's) or [\"FILE\", …]",
@@ -82,7 +83,7 @@ impl SceneText<'_> {
         self.idle(field, RELIEF.why, advice)
     }
 
-    /// The memory for the pack's heights, where a scene wants them.
+    /// Memory limit for the pack's heights, if the scene uses them.
     fn pack_heights_mb(&self, earth: &RawEarth) -> Result<Option<f64>, SceneError> {
         let (pack_heights, ground_mb) = (earth.pack_heights(), earth.ground_mb());
         if !earth.pack().is_given() {
@@ -101,7 +102,7 @@ impl SceneText<'_> {
         Ok(Some(megabytes))
     }
 
-    /// A key that terrain takes no notice of.
+    /// Rejects a key that terrain ignores.
     fn only_of_the_smooth_earth(
         &self,
         earth: &RawEarth,
@@ -122,7 +123,7 @@ impl SceneText<'_> {
         Ok(())
     }
 
-    /// Files relative to the scene's folder, all of them there.
+    /// Existing files relative to the scene's folder.
     fn paths(
         &self,
         field: &Field<'_, Vec<toml::Spanned<RawPath>>>,

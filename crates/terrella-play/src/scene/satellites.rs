@@ -1,4 +1,4 @@
-//! What can be checked only when the satellites are known: names to follow, sources that do not answer.
+//! Checks that need the opened satellites: followed names, and sources without data.
 
 use super::Scene;
 use super::choices::CameraMode;
@@ -10,11 +10,11 @@ use super::time::utc;
 use terrella::frames::Epoch;
 
 impl Scene {
-    /// The place, in [`Self::orbits`], of the satellite that cameras fly with. `names` are those of all, in that order;
-    /// a name that `[orbit]` itself gives counts as well. 0 without `[camera] follow`.
+    /// The index, in [`Self::orbits`], of the satellite that the camera follows. `names` are those of all satellites,
+    /// in that order. A name given in `[orbit]` also counts. 0 without `[camera] follow`.
     ///
     /// # Errors
-    /// If `follow` names none of them, or more than one.
+    /// `follow` matches none of them, or more than one.
     pub fn followed(&self, names: &[&str]) -> Result<usize, SceneError> {
         let Some(wanted) = &self.camera.follow else {
             return Ok(0);
@@ -30,10 +30,10 @@ impl Scene {
         })
     }
 
-    /// The place of the satellite that the camera looks at: the one of this name, or the one that it follows.
+    /// The index of the satellite that the camera looks at: the one with this name, or the followed one.
     ///
     /// # Errors
-    /// If there is none, or the camera is on board of it.
+    /// There is none, or the camera is on board.
     pub(crate) fn looked_at(
         &self,
         wanted: Option<&str>,
@@ -59,10 +59,10 @@ impl Scene {
         }
     }
 
-    /// The places of the satellites that the map of coverage is of; none where there is no map.
+    /// The indices of the satellites on the coverage map; none without a map.
     ///
     /// # Errors
-    /// A name that none of them has, or more than one.
+    /// A name that matches none of them, or more than one.
     pub(crate) fn coverage_satellites(&self, names: &[&str]) -> Result<Vec<usize>, SceneError> {
         let Some(table) = &self.coverage else {
             return Ok(Vec::new());
@@ -82,7 +82,7 @@ impl Scene {
         Ok(found)
     }
 
-    /// The place of a satellite by name, letter case aside, as [`Self::followed`] looks for it; else what to do.
+    /// The index of a satellite by name, ignoring case, with the matching of [`Self::followed`].
     ///
     /// # Errors
     /// The remedy for a message: the nearest name and all names.
@@ -115,7 +115,7 @@ impl Scene {
         match found.as_slice() {
             [only] => Ok(*only),
             [] => {
-                // Names are compared letter case aside, so the likeness is, too.
+                // Names are compared ignoring case, and so is their similarity.
                 let lower: Vec<_> = names.iter().map(|name| name.to_lowercase()).collect();
                 let near = nearest(&folded, lower.iter().map(String::as_str))
                     .and_then(|near| lower.iter().position(|name| name == near))
@@ -138,7 +138,7 @@ impl Scene {
         }
     }
 
-    /// A rejection of the satellite of that place, where its key stands.
+    /// The error that rejects the satellite at this index, at the line of its key.
     pub fn reject_orbit(&self, orbit: usize, key: &str, value: &str, remedy: String) -> SceneError {
         let record = self.orbit_records.get(self.orbit_table(orbit));
         let any = record.and_then(Record::first_line);
@@ -146,10 +146,10 @@ impl Scene {
         self.rejection("orbit", key, line, value, remedy)
     }
 
-    /// Rejects a scene of which any part lies outside `span`, that of its table of the Earth's orientation.
+    /// Rejects a scene that extends beyond `span`, the span of its table of the Earth's orientation.
     ///
     /// # Errors
-    /// Says what the table spans.
+    /// An error that states the table's span.
     pub fn check_orientation(&self, span: (Epoch, Epoch)) -> Result<(), SceneError> {
         let (start, end) = (self.time.start, self.time.end());
         let (first, last) = (start.min(end), start.max(end));

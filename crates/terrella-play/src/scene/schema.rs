@@ -1,7 +1,7 @@
-//! `config/terrella.schema.json`, by which editors complete and check scenes: made from the declarations of the keys.
+//! `config/terrella.schema.json`, with which editors complete and check scenes, generated from the key declarations.
 //!
-//! `TERRELLA_UPDATE_REFERENCE=1 cargo test -p terrella-play reference` writes it again, and the reference page with it; without
-//! the variable the same test compares.
+//! `TERRELLA_UPDATE_REFERENCE=1 cargo test -p terrella-play reference` writes it and the reference page. Without the variable the same test compares
+//! them.
 
 use super::articulations::{ANGLE_DEG, AXIS, MAX_ARTICULATIONS, RATE_DEG_S, TRACKED};
 use super::camera_keys::{CUT, NUMBERS, OFFSET, OFFSET_M};
@@ -53,9 +53,9 @@ pub(super) fn schema() -> Value {
     })
 }
 
-/// The same as text, a line for each key.
+/// The schema as text, one line per key.
 pub(super) fn schema_text() -> String {
-    /// How deep the keys lie: in the properties of a table, of the properties of a scene.
+    /// Depth of the keys: in the properties of a table, in the properties of a scene.
     const KEYS: usize = 4;
     fn text(value: &Value, depth: usize) -> String {
         let Some(entries) = value.as_object().filter(|_| depth < KEYS) else {
@@ -83,7 +83,7 @@ fn table_schema(table: &Table) -> Value {
     object(keys.collect(), &[])
 }
 
-/// The value of a key where a scene leaves it out, if that is always the same.
+/// The default of a key, if it is constant.
 pub(super) fn default_of(key: &Key) -> Option<Value> {
     let default = key.about.default?();
     Some(default.as_f64().map_or(default, number))
@@ -125,7 +125,7 @@ pub(super) fn value_schema(key: &Key) -> Value {
     }
 }
 
-/// The schema of a value that its key alone has.
+/// The schema of a value that only this key has.
 fn own(key: &Key) -> Value {
     let table = || table_within(key.name);
     match key.name {
@@ -180,7 +180,7 @@ pub(super) struct KeyPart {
     pub(super) is_needed: bool,
 }
 
-/// The keys of the table within the value of a key; none where it has no table.
+/// The keys of the table within the value of a key; empty without a table.
 pub(super) fn parts(key: &str) -> Vec<KeyPart> {
     let part = |name, value, meaning| KeyPart {
         name,
@@ -384,7 +384,7 @@ fn bounded(kind: &str, [least, most]: [f64; 2]) -> Value {
     }
 }
 
-/// A number as people write it: without a fraction where it has none.
+/// A number in common notation: without a fraction if it is an integer.
 fn number(number: f64) -> Value {
     match number.fract() == 0.0 && number.abs() < 1e15 {
         true => json!(number as i64),

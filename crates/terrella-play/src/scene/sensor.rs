@@ -1,4 +1,4 @@
-//! `[sensor]`: the camera's own lens, aperture, shutter and detector.
+//! `[sensor]`: the lens, aperture, shutter and detector of the camera.
 
 use super::choices::{DistortionModel, MosaicName, PsfName, ShutterName};
 use super::error::SceneError;
@@ -31,15 +31,15 @@ pub struct SensorTable {
 pub struct KernelError {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong with it, with the line where there is one.
+    /// The problem, with the line if known.
     pub problem: String,
 }
 
 impl SensorTable {
-    /// The sensor, its measured point spread read from the file.
+    /// The sensor, with its measured point spread read from the file.
     ///
     /// # Errors
-    /// A file that cannot be read or holds no kernel.
+    /// An unreadable file, or one without a kernel.
     pub fn open(&self) -> Result<Sensor, KernelError> {
         let mut sensor = self.sensor.clone();
         if let Some(path) = &self.kernel {
@@ -52,7 +52,7 @@ impl SensorTable {
         Ok(sensor)
     }
 
-    /// Its lens.
+    /// The lens.
     pub fn lens(&self) -> &Lens {
         &self.sensor.lens
     }
@@ -67,20 +67,20 @@ impl SensorTable {
         self.lens().size()
     }
 
-    /// Vertical field of view of a pinhole camera with its focal length, degrees.
+    /// Vertical field of view of a pinhole camera with the same focal length, degrees.
     pub fn fov_deg(&self) -> f64 {
         let [_, height] = self.size().map(f64::from);
         2.0 * (0.5 * height / self.lens().focal_px()).atan().to_degrees()
     }
 }
 
-/// Why no key of the table has a value.
+/// Why keys of the table have no value.
 const NO_SENSOR: &str = "the scene has no sensor";
-/// Largest file of a kernel, bytes: twenty characters for each of its numbers.
+/// Maximum size of a kernel file, bytes: twenty characters per number.
 const MAX_KERNEL_BYTES: u64 = 2 << 20;
 
 impl SceneText<'_> {
-    /// Checks `[sensor]`; a scene that gives none of its keys has no sensor.
+    /// Checks `[sensor]`. A scene without any of its keys has no sensor.
     pub(super) fn sensor(&self, raw: &RawSensor) -> Result<Option<SensorTable>, SceneError> {
         if raw.given().next().is_none() {
             for (key, _) in raw.declared() {
@@ -263,7 +263,7 @@ impl SceneText<'_> {
                 let path = path.ok_or_else(|| {
                     self.reject(&kernel, "psf = \"measured\" needs the file of its kernel")
                 })?;
-                // Read when it is needed, as all files are.
+                // Read when needed, like all files.
                 (Psf::None, Some(path), None)
             }
         })
@@ -325,7 +325,7 @@ impl SceneText<'_> {
         })
     }
 
-    /// A number that a sensor cannot do without.
+    /// A required number.
     fn needed(&self, field: &Field<'_, f64, RangeInclusive<f64>>) -> Result<f64, SceneError> {
         if !field.is_given() {
             let advice = format!("a sensor needs {}; give it in [sensor]", field.key);
@@ -334,7 +334,7 @@ impl SceneText<'_> {
         self.quantity_or(field, f64::NAN)
     }
 
-    /// A list of finite numbers of one of these lengths, if it is given.
+    /// A list of finite numbers with one of these lengths, if given.
     fn numbers(
         &self,
         field: &Field<'_, toml::Value>,
@@ -352,7 +352,7 @@ impl SceneText<'_> {
         }
     }
 
-    /// Three numbers in their range, if they are given.
+    /// Three numbers in their range, if given.
     fn three(
         &self,
         field: &Field<'_, Vec<f64>, RangeInclusive<f64>>,
@@ -372,17 +372,17 @@ impl SceneText<'_> {
         }
     }
 
-    /// Rejects the key that a sensor's error names.
+    /// Rejects the key named by a sensor error.
     fn no_sensor(&self, raw: &RawSensor, error: &SensorError) -> SceneError {
         let place = raw.given().find(|(key, _)| key.name == error.key());
-        // The key that the fault is of may be left out, where a needed one is too small or too large for its default.
+        // The faulty key may be absent, if a required one is too small or too large for its default.
         let place = place.or_else(|| raw.given().find(|(key, _)| key.name == "size"));
         let (key, span) = place.map_or((error.key(), 0..0), |(key, span)| (key.name, span));
         self.reject_at("sensor", key, span, error)
     }
 }
 
-/// A list as a scene would write it, or why there is none.
+/// A list in scene syntax, or why there is none.
 fn listed(numbers: Option<&[f64]>, without: &'static str) -> KeyText {
     let texts = numbers
         .ok_or(without)?
@@ -400,7 +400,7 @@ fn number_list(value: &toml::Value) -> Option<Vec<f64>> {
     numbers.collect()
 }
 
-/// Rows of numbers, between them spaces or commas; what follows `#` is a comment.
+/// Reads rows of numbers separated by spaces or commas; `#` starts a comment.
 fn read_kernel(path: &Path) -> Result<Kernel, String> {
     let text = files::read_text(path, MAX_KERNEL_BYTES).map_err(|error| error.to_string())?;
     let text = text.ok_or_else(|| format!("has more than {} MiB", MAX_KERNEL_BYTES >> 20))?;

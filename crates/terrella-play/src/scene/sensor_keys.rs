@@ -32,9 +32,9 @@ const ROLLING: &Only = &Only {
     sources: &[],
 };
 
-/// Wavelengths that red, green and blue stand for where a scene gives none, nanometres.
+/// Default wavelength bands of red, green and blue, nanometres.
 pub(super) const BANDS_NM: [[f64; 2]; 3] = [[600.0, 700.0], [500.0, 600.0], [400.0, 500.0]];
-/// Quantum efficiency where a scene gives none.
+/// Default quantum efficiency.
 pub(super) const QUANTUM_EFFICIENCY: [f64; 3] = [0.5; 3];
 
 table!(RawSensor = "sensor" {

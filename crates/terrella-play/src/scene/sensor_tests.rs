@@ -1,4 +1,4 @@
-//! `[sensor]` as scenes give it: data sheets that are read, and those that are rejected by key.
+//! `[sensor]` in scenes: accepted data sheets, and those rejected by key.
 
 use super::*;
 use crate::scene::Scene;
@@ -59,7 +59,7 @@ fn field_of_view_and_size_follow_from_the_sensor() {
     assert_eq!(scene("[sensor]\n").expect("good").sensor, None);
 }
 
-/// Each with the key that its message must name, and what would work.
+/// Each with the key in its message, and the remedy.
 #[test]
 fn impossible_sheets_are_rejected_by_key() {
     for (more, key, remedy) in [

@@ -1,4 +1,4 @@
-//! Keys that a command sets in place of a scene's: changes to its text, so that they are read and checked as if they stood there.
+//! Keys set on the command line in place of a scene's. They change the text, so normal reading and checking applies.
 
 use super::error::SceneError;
 use super::text::line_starts;
@@ -10,14 +10,14 @@ use toml::de::{DeTable, DeValue};
 pub struct Setting {
     table: String,
     key: String,
-    /// As TOML.
+    /// Value in TOML syntax.
     value: String,
 }
 
 impl FromStr for Setting {
     type Err = String;
 
-    /// The value is TOML; text that is not, such as a word or a date, is taken as a string.
+    /// The value is TOML. Text that is not valid TOML, such as a word or a date, becomes a string.
     fn from_str(text: &str) -> Result<Self, String> {
         let wrong = || "write it as table.key=value, for example earth.look=full".to_owned();
         let (name, value) = text.split_once('=').ok_or_else(wrong)?;
@@ -46,7 +46,7 @@ impl FromStr for Setting {
     }
 }
 
-/// As `--set` takes it.
+/// The syntax of `--set`.
 impl std::fmt::Display for Setting {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}.{}={}", self.table, self.key, self.value)
@@ -54,7 +54,7 @@ impl std::fmt::Display for Setting {
 }
 
 impl Setting {
-    /// A key of a table, and its value as TOML.
+    /// Creates a setting from a table, a key and a TOML value.
     pub fn new(table: &str, key: &str, value: impl ToString) -> Self {
         Self {
             table: table.to_owned(),
@@ -63,7 +63,7 @@ impl Setting {
         }
     }
 
-    /// The table and the key that it sets.
+    /// The table and the key.
     pub fn of(&self) -> (&str, &str) {
         (&self.table, &self.key)
     }
@@ -74,10 +74,10 @@ impl Setting {
     }
 }
 
-/// A scene's text with keys set. What stood in it keeps its line number.
+/// A scene's text with keys set. The original lines keep their numbers.
 pub(super) struct SetText {
     pub text: String,
-    /// Of [`line_starts`], without lines that were put in.
+    /// Result of [`line_starts`], without inserted lines.
     pub line_starts: Vec<usize>,
 }
 
@@ -101,7 +101,7 @@ impl SetText {
                 (range, format!("{value}{}", "\n".repeat(lines)))
             }
             Place::LineBefore(at) => (at..at, format!("{key} = {value}\n")),
-            // Of a table that is not there, and where the text cannot be read, as is then said of it.
+            // The table does not exist, or the text is invalid; the parser then reports it.
             Place::End => {
                 let end = self.text.len();
                 (end..end, format!("\n[{table}]\n{key} = {value}\n"))
@@ -110,7 +110,7 @@ impl SetText {
         let is_line = range.is_empty() && range.end < self.text.len();
         let moved = |start: usize| start - range.len() + new.len();
         let starts = self.line_starts.iter().map(|start| match *start {
-            // The line that is put in counts as the end of the one before.
+            // An inserted line counts as the end of the previous one.
             start if start >= range.end && (is_line || start > range.start) => moved(start),
             start => start,
         });
@@ -148,7 +148,7 @@ impl SetText {
         }
     }
 
-    /// Where the line after `[table]` begins.
+    /// Offset of the line after `[table]`.
     fn after_head(&self, table: &str) -> Option<usize> {
         let head = format!("[{table}]");
         let mut at = 0;
@@ -162,14 +162,14 @@ impl SetText {
     }
 }
 
-/// Where a setting goes.
+/// Position of a setting in the text.
 enum Place {
     Value(std::ops::Range<usize>),
     LineBefore(usize),
     End,
 }
 
-/// An error with the name of the option in place of the file's where a setting is meant, or the table of one.
+/// Replaces the file by the option's name in an error about a setting or its table.
 pub(super) fn of_setting(mut error: SceneError, settings: &[Setting]) -> SceneError {
     if let SceneError::Unknown { place, .. }
     | SceneError::Missing { place, .. }
@@ -212,7 +212,7 @@ mod tests {
         assert_eq!(set.time.duration_s, 90.0);
         assert_eq!((set.camera.lat_deg, set.camera.lon_deg), (1.0, 7.5));
         assert!(scene(TEXT, &all[3..]).is_ok());
-        // The last of several counts.
+        // The last of several settings wins.
         let last = scene(TEXT, &["time.duration_s=90", "time.duration_s=60"]);
         assert_eq!(last.expect("good").time.duration_s, 60.0);
         assert!(scene("", &["time.start=2026-01-01T00:00:00Z"]).is_ok());

@@ -1,4 +1,4 @@
-//! `[sky]`: what is beyond the Earth.
+//! `[sky]`: objects beyond the Earth.
 
 use super::choices::Look;
 use super::earth::EarthTable;
@@ -32,7 +32,7 @@ pub struct SkyTable {
 }
 
 impl SkyTable {
-    /// Each thing beyond the Earth by its key, and whether it is on.
+    /// Each part of the sky by key, and whether it is on.
     pub fn parts(&self) -> [(&'static str, bool); 5] {
         [
             ("stars", self.stars),
@@ -43,7 +43,7 @@ impl SkyTable {
         ]
     }
 
-    /// Switches a thing beyond the Earth off, by its key.
+    /// Switches a part of the sky off, by key.
     pub fn switch_off(&mut self, key: &str) {
         match key {
             "stars" => self.stars = false,
@@ -55,14 +55,14 @@ impl SkyTable {
         }
     }
 
-    /// Whether anything is on.
+    /// Whether any part is on.
     pub fn is_on(&self) -> bool {
         self.parts().iter().any(|(_, on)| *on)
     }
 }
 
 impl SceneText<'_> {
-    /// Checks `[sky]`, whose defaults go by `[earth] look`.
+    /// Checks `[sky]`, whose defaults depend on `[earth] look`.
     pub(super) fn sky(&self, sky: &RawSky, earth: &EarthTable) -> Result<SkyTable, SceneError> {
         let is_real = earth.look != Look::Paper;
         let is_full = earth.look == Look::Full;

@@ -9,10 +9,10 @@ use super::text::SceneText;
 use std::ops::RangeInclusive;
 use terrella::frames::Geodetic;
 
-/// Why no key of a station has a value.
+/// Why keys of a station have no value.
 pub(super) const NO_STATION: &str = "the scene has no [[station]]";
 
-/// Longest name, characters.
+/// Maximum name length, characters.
 const MAX_NAME_CHARS: usize = 100;
 
 /// A ground station.
@@ -62,7 +62,7 @@ impl SceneText<'_> {
         let lat_deg = self.angle(station, &station.lat_deg(), "latitude")?;
         let lon_deg = self.angle(station, &station.lon_deg(), "longitude")?;
         let height_m = self.quantity(&station.height_m())?;
-        // −180…180, as places on the ground have it.
+        // −180…180, as for places on the ground.
         let lon_deg = lon_deg - 360.0 * (lon_deg / 360.0).round();
         Ok(StationTable {
             name,
@@ -72,7 +72,7 @@ impl SceneText<'_> {
         })
     }
 
-    /// An angle that a station must have.
+    /// A required angle of a station.
     fn angle(
         &self,
         station: &RawStation,
@@ -95,7 +95,7 @@ impl SceneText<'_> {
 }
 
 impl Scene {
-    /// Where each station stands.
+    /// Descriptions of all stations with their positions.
     pub(super) fn station_uses(&self) -> impl Iterator<Item = (&'static str, String)> {
         self.stations.iter().map(|station| {
             let place = &station.place;

@@ -1,4 +1,4 @@
-//! What a scene comes to: every value and where it is from, what will be used and what is left out.
+//! Summary of a scene: every value with its source, and what is used and omitted.
 
 use super::Scene;
 use super::captions::NO_CAPTION;
@@ -16,18 +16,18 @@ use std::fmt::Write;
 use terrella_ground::air::Atmosphere;
 use terrella_ground::globe::SurfaceSettings;
 
-/// Why a key has no value that no reader noted. A test holds that it is never said.
+/// Why a key has no value if no reader recorded it. A test ensures that this never appears.
 const UNKNOWN: &str = "unknown to the summary";
 
 impl Scene {
-    /// The scene as text, many lines, each ended: the keys that are in force, in scene order, each with its value and whether
-    /// that is from the file or the default, and those of the file that have no effect; then what the scene uses and what it
-    /// leaves out. Values are those that were read: fields that a host sets afterwards do not change them.
+    /// The scene as text, with a line break after every line. First come the effective keys in scene order, each with its
+    /// value and whether it is from the file or a default. Keys of the file without effect follow, and then what the scene
+    /// uses and omits. Values are those read from the scene: fields that a host sets later do not change them.
     pub fn summary(&self) -> String {
         self.summary_of(false)
     }
 
-    /// The same with every key that a scene can have, those that are not used with the reason.
+    /// The same with every possible key; unused ones have a reason.
     pub fn full_summary(&self) -> String {
         self.summary_of(true)
     }
@@ -118,7 +118,7 @@ impl Scene {
         out
     }
 
-    /// What a value is from that the file does not give.
+    /// The source of a value that the file does not give.
     fn default_from(&self, table: &str, key: &str) -> &'static str {
         match self.is_of_orbits() {
             false => "default",
@@ -131,7 +131,7 @@ impl Scene {
         }
     }
 
-    /// What says when the scene begins; `place` is where its key stands.
+    /// The source of the scene's start; `place` is the location of its key.
     fn start_from(&self, place: String) -> String {
         match &self.time.start_from {
             StartSource::Given | StartSource::Default => place,
@@ -141,7 +141,7 @@ impl Scene {
         }
     }
 
-    /// Tables after the first: only what they use.
+    /// Tables after the first: only their used keys.
     fn other_orbits(&self, out: &mut String, table: &Table) {
         for (index, _) in self.first_of_tables().into_iter().skip(1) {
             line(out, format_args!("\n[[orbit]]"));
@@ -158,12 +158,12 @@ impl Scene {
         }
     }
 
-    /// The records of a list but that of satellites.
+    /// The records of a list other than that of satellites.
     fn list(&self, table: &str) -> &[Record] {
         self.lists.get(table).map_or(&[], Vec::as_slice)
     }
 
-    /// Tables of a list after the first.
+    /// The tables of a list after the first.
     fn others(&self, out: &mut String, table: &Table) {
         for record in self.list(table.name).iter().skip(1) {
             line(out, format_args!("\n[[{}]]", table.name));
@@ -179,7 +179,7 @@ impl Scene {
         }
     }
 
-    /// What a key comes to.
+    /// The effective value of a key.
     fn value(&self, table: &Table, key: &Key) -> Result<&str, &'static str> {
         let record = match table.name {
             "orbit" => return self.orbit_value(0, key),
@@ -191,7 +191,7 @@ impl Scene {
         recorded(record, key)
     }
 
-    /// The same for the satellite of that place.
+    /// The same for the satellite at this index.
     fn orbit_value(&self, index: usize, key: &Key) -> Result<&str, &'static str> {
         let orbit = self.orbits.get(index).ok_or(NO_ORBIT)?;
         match foreign(orbit.source, key) {
@@ -325,7 +325,7 @@ impl Scene {
         uses
     }
 
-    /// The layers in the order in which they are drawn, and whether each is on.
+    /// The layers in drawing order, and whether each is on.
     fn layers(&self) -> Vec<(&'static str, bool)> {
         vec![
             ("day map", true),
@@ -350,7 +350,7 @@ impl Scene {
     }
 }
 
-/// Why no key has a value of a list that is empty.
+/// Why keys of an empty list have no value.
 fn none_of(list: &str) -> &'static str {
     match list {
         "caption" => NO_CAPTION,
@@ -393,7 +393,7 @@ mod tests {
         }
     }
 
-    /// The first scene that a newcomer opens explains every key.
+    /// The first scene of a new user explains every key.
     #[test]
     fn the_default_scene_shows_every_key() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config/iss.toml");

@@ -1,4 +1,4 @@
-//! `[earth.clipmap]`, `[earth.contours]`, `[earth.projected_grid]` and `[earth.quadtree]`: settings that one surface alone has.
+//! `[earth.clipmap]`, `[earth.contours]`, `[earth.projected_grid]` and `[earth.quadtree]`: settings of individual surfaces.
 
 use super::error::{SceneError, printable};
 use super::field::{Field, range_text, written};
@@ -15,7 +15,7 @@ use terrella_ground::globe::{ContourDrawing, SurfaceKind, SurfaceSettings};
 use toml::{Spanned, Value};
 
 impl SceneText<'_> {
-    /// What draws terrain, as its own table sets it.
+    /// The terrain surface with its settings.
     pub(super) fn surface_settings(
         &self,
         earth: &RawEarth,
@@ -199,7 +199,7 @@ impl SceneText<'_> {
         Ok(drawing)
     }
 
-    /// The keys of a table within a table; none where it is left out.
+    /// The keys of a nested table; empty if it is absent.
     fn entries<'v>(
         &self,
         table: &Field<'v, Value>,
@@ -213,7 +213,7 @@ impl SceneText<'_> {
     }
 }
 
-/// A table as a scene may write it.
+/// An example of the table in scene syntax.
 fn like(table: &Field<'_, Value>) -> &'static str {
     table.of.trim_start_matches("a table like ")
 }
@@ -243,7 +243,7 @@ fn sides_of(sides: &[Value]) -> Option<(u32, u32)> {
     }
 }
 
-/// Why a surface takes no notice of `tolerance_px`; `None` where it does.
+/// Why a surface ignores `tolerance_px`; `None` if it uses it.
 pub(super) fn without_tolerance(settings: &SurfaceSettings) -> Option<&'static str> {
     match settings {
         SurfaceSettings::Blocks(_) => Some("blocks have the same cells everywhere"),

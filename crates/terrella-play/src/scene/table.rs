@@ -1,12 +1,12 @@
-//! How scene keys are declared; [`keys`](super::keys) has the declarations.
+//! Declaration syntax of scene keys; [`keys`](super::keys) has the declarations.
 //!
-//! `key: type, of "unit", in range, default value, for USE;` makes the key's field in the table as written and a method of the
-//! same name that hands its rule to the checks. Only the type is needed:
+//! `key: type, of "unit", in range, default value, for USE;` declares a field of the table, and a method of the same name that passes its rule to the
+//! checks. Only the type is required:
 //!
-//! - `of` is the unit of a number, what a path leads to, what a word chooses, or for other types all that the value must be;
+//! - `of` is the unit of a number, the target of a path, the meaning of a choice, or for other types the accepted values;
 //! - `in` is the range of the numbers;
-//! - `default` is the value where a scene leaves the key out. What depends on other keys is in the sentence above the key;
-//! - `for` is where the key has a meaning, everywhere if it is left out.
+//! - `default` is the constant default. Defaults that depend on other keys are stated in the sentence above the key;
+//! - `for` is the scope of the key; without it, the key applies everywhere.
 
 use super::choices::OrbitSource;
 use super::field::{
@@ -16,65 +16,65 @@ use super::field::{
 use serde::Deserialize;
 use toml::Spanned;
 
-/// A key that a table knows.
+/// A key of a table.
 #[derive(Debug)]
 pub(super) struct Key {
     pub(super) name: &'static str,
-    /// What its value must be, to be read after "must be".
+    /// Accepted values, as the rest of a sentence after "must be".
     pub(super) expected: fn() -> String,
-    /// Where it has a meaning; `None` is everywhere.
+    /// Scope of the key; `None` means everywhere.
     pub(super) only: Option<&'static Only>,
     #[cfg(test)]
     pub(super) about: About,
 }
 
-/// Where a key has a meaning.
+/// Scope of a key.
 #[derive(Debug)]
 pub(super) struct Only {
-    /// To be read after "not used:".
+    /// Reason, as the rest of a sentence after "not used:".
     pub(super) why: &'static str,
-    /// The sources of `[orbit]` that it is for; none for keys of other tables.
+    /// The sources of `[orbit]` that use the key; empty for keys of other tables.
     pub(super) sources: &'static [OrbitSource],
 }
 
-/// What the reference page and the schema have of a key besides.
+/// Additional data for the reference page and the schema.
 #[cfg(test)]
 #[derive(Debug)]
 pub(super) struct About {
     pub(super) meaning: &'static str,
     pub(super) of: &'static str,
     pub(super) shape: fn() -> Shape,
-    /// Least and greatest number.
+    /// Smallest and largest number.
     pub(super) range: Option<[f64; 2]>,
     pub(super) default: Option<fn() -> serde_json::Value>,
 }
 
-/// What a value is.
+/// Shape of a value.
 #[cfg(test)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shape {
     Flag,
     Number,
     Whole,
-    /// One of these words.
+    /// One of several words.
     Word(&'static [&'static str]),
     Text,
     Path,
     Paths,
     /// Three numbers.
     Vector,
-    /// Two whole numbers.
+    /// Two integers.
     Pair,
     DatedMaps,
     /// A word, or a table with a path.
     Tone,
     /// A word, or a table with a place.
     LookAt,
-    /// What the key alone has.
+    /// A shape that only this key has.
     Own,
 }
 
-/// A table that a scene knows.
+/// A table of scenes.
 #[derive(Debug)]
 pub(super) struct Table {
     pub(super) name: &'static str,
@@ -82,7 +82,7 @@ pub(super) struct Table {
 }
 
 impl Table {
-    /// Whether a scene may have several of it.
+    /// Whether a scene may have several of this table.
     pub(super) fn is_list(&self) -> bool {
         matches!(self.name, "orbit" | "station" | "geojson" | "caption")
     }
@@ -95,7 +95,7 @@ pub(super) trait Value {
     #[cfg(test)]
     const SHAPE: fn() -> Shape;
 
-    /// What the value must be, from the `of` of its key.
+    /// The accepted values, from the `of` of the key.
     fn expected(of: &str) -> String {
         of.to_owned()
     }
@@ -202,7 +202,7 @@ values! {
     RawDatedMaps: (), DatedMaps;
 }
 
-/// The value in an option of a declaration, or what stands for none.
+/// The value of an optional part of a declaration, or its substitute.
 macro_rules! given_or {
     ($none:expr;) => {
         $none
@@ -212,7 +212,7 @@ macro_rules! given_or {
     };
 }
 
-/// The method of a key, with as much of a rule as its declaration has.
+/// The method of a key, with the rule from its declaration.
 macro_rules! method {
     ($(#[doc = $doc:literal])+ $key:ident: $kind:ty, of $of:expr) => {
         method! { @ $(#[doc = $doc])+ $key: $kind, $of, (), () }
@@ -244,7 +244,7 @@ macro_rules! method {
     };
 }
 
-/// A table from its keys.
+/// Declares a table by its keys.
 macro_rules! table {
     ($name:ident = $table:literal {
         $($(#[doc = $doc:literal])+ $key:ident: $kind:ty
@@ -280,18 +280,18 @@ macro_rules! table {
                 }),*],
             };
 
-            /// All keys, with the span of their values where the file gives them.
+            /// All keys, with the spans of values given in the file.
             pub(super) fn declared(&self) -> impl Iterator<Item = (&'static Key, Option<Range<usize>>)> {
                 let spans = [$(self.$key.as_ref().map(Spanned::span)),*];
                 Self::TABLE.keys.iter().zip(spans)
             }
 
-            /// The keys that the file gives, with the span of their values.
+            /// The keys given in the file, with the spans of their values.
             pub(super) fn given(&self) -> impl Iterator<Item = (&'static Key, Range<usize>)> {
                 self.declared().filter_map(|(key, span)| Some((key, span?)))
             }
 
-            /// What its keys came to, once all of them are read.
+            /// The effective values of its keys, after all have been read.
             pub(super) fn record(self, source: SceneText<'_>) -> Record {
                 let given = self.given();
                 let lines = given.map(|(key, span)| (key.name, source.line(span.start))).collect();

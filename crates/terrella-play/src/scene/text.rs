@@ -1,19 +1,19 @@
-//! The text of a scene with the name of its file: places in it, excerpts of it, and the nearest of known words.
+//! The text of a scene with its file name: positions, excerpts, and the most similar known word.
 
 use super::error::printable;
 use std::ops::Range;
 use std::path::Path;
 
-/// A scene's text and the name of its file.
+/// A scene's text and its file name.
 #[derive(Clone, Copy)]
 pub(super) struct SceneText<'a> {
     pub(super) path: &'a Path,
     pub(super) text: &'a str,
-    /// Of [`line_starts`].
+    /// Result of [`line_starts`].
     pub(super) line_starts: &'a [usize],
 }
 
-/// Byte offsets at which lines begin. A scene asks for the line of each of its keys, which may be some ten thousand.
+/// Byte offsets of line starts. A scene looks up the line of each of its keys, up to some ten thousand.
 pub(super) fn line_starts(text: &str) -> Vec<usize> {
     let after = text.match_indices('\n').map(|(at, _)| at + 1);
     std::iter::once(0).chain(after).collect()
@@ -32,17 +32,17 @@ impl SceneText<'_> {
         line.chars().count() + 1
     }
 
-    /// The text of a span, fit for a message.
+    /// The text of a span, sanitised for a message.
     pub(super) fn excerpt(&self, span: &Range<usize>) -> String {
         printable(self.text.get(span.clone()).unwrap_or_default())
     }
 }
 
-/// The known name most like `word`, if any is alike at all.
+/// The known name most similar to `word`, if any is similar enough.
 pub(super) fn nearest<'k>(word: &str, known: impl Iterator<Item = &'k str>) -> Option<&'k str> {
     /// Jaro–Winkler similarity below which a suggestion would only confuse.
     const ALIKE: f64 = 0.7;
-    /// No known name is half as long; the comparison's cost grows with the length.
+    /// No known name is half as long, and the comparison's cost grows with the length.
     const LONGEST_WORD: usize = 64;
     if word.len() > LONGEST_WORD {
         return None;

@@ -1,4 +1,4 @@
-//! `[time]`: when the flight starts and how it is played.
+//! `[time]`: the start of the flight and its playback.
 
 use super::error::SceneError;
 use super::field::{Field, PathKind, range_text};
@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use terrella::frames::{Duration, Epoch, rfc3339, utc_from_rfc3339, utc_now};
 use toml::Spanned;
 
-/// `[time]`: when the flight starts and how it is played.
+/// `[time]`: the start of the flight and its playback.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Time {
     /// UTC instant of the first frame. Where [`Self::start_from`] is [`StartSource::Default`] it is not final before the
@@ -31,43 +31,43 @@ pub struct Time {
     pub left_out: Vec<(Epoch, Epoch)>,
 }
 
-/// Where the first instant of a scene is from.
+/// Source of a scene's first instant.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum StartSource {
     /// The scene gives it.
     Given,
     /// The scene says "now": the system's clock when it was read.
     Clock,
-    /// The caller gives it in place of the scene ([`Scene::begin`](super::Scene::begin)).
+    /// The caller gives it instead of the scene ([`Scene::begin`](super::Scene::begin)).
     Caller,
-    /// The scene does not give it, and no satellite that has a time of its own is opened.
+    /// The scene does not give it, and no opened satellite has its own time.
     #[default]
     Default,
-    /// The scene does not give it, and a satellite has a time of its own; which, as text.
+    /// The scene does not give it, but a satellite has its own time; the text describes it.
     Satellite(String),
 }
 
 impl Time {
-    /// UTC instant at which playback ends: before `start` where the speed is negative.
+    /// UTC instant at which playback ends: before `start` for a negative speed.
     pub fn end(&self) -> Epoch {
         self.start + self.duration_s.copysign(self.speed) * Unit::Second
     }
 
-    /// The first instant that is played, and the one `length` later or the last.
+    /// The first played instant, and the one `length` later or the last.
     pub fn span(&self, length: Option<Duration>) -> (Epoch, Epoch) {
         let first = self.start.min(self.end());
         let last = self.start.max(self.end());
         (first, length.map_or(last, |length| first + length))
     }
 
-    /// (duration_s − what is left out) · frame_rate_hz / |speed|, before it is made a whole number.
+    /// (duration_s − skipped time) · frame_rate_hz / |speed|, before rounding.
     pub(super) fn frames_exact(&self) -> f64 {
         let left_out = self.left_out.iter().map(|(from, to)| *to - *from);
         let left_out_s: f64 = left_out.map(|time| time.to_seconds()).sum();
         (self.duration_s - left_out_s) * self.frame_rate_hz / self.speed.abs()
     }
 
-    /// The instant after so many simulated seconds of playback, before the start where the speed is negative.
+    /// The instant after this many simulated seconds of playback; before the start for a negative speed.
     pub(crate) fn epoch_after(&self, played_s: f64) -> Epoch {
         let mut epoch = self.start + played_s * Unit::Second;
         if self.speed < 0.0 {
@@ -90,12 +90,12 @@ impl Time {
         epoch
     }
 
-    /// The number of the frame that is nearest to an instant; it wraps where that is before the first, or beyond 2³².
+    /// The number of the frame nearest to an instant. It wraps if that is before the first, or beyond 2³².
     pub fn nearest_frame(&self, epoch: Epoch) -> u32 {
         let frame_s = self.speed / self.frame_rate_hz;
         let mut after = epoch - self.start;
         for (from, to) in &self.left_out {
-            // What of it lies between the start and the instant.
+            // The part between the start and the instant.
             let (first, last) = (self.start.min(epoch), self.start.max(epoch));
             let length = (*to).min(last) - (*from).max(first);
             if length > Duration::ZERO {
@@ -109,7 +109,7 @@ impl Time {
         (after.to_unit(Unit::Second) / frame_s).round() as i64 as u32
     }
 
-    /// The year in which it would begin or end that no scene may reach.
+    /// The year of its start or end that is outside the range of scenes.
     pub(super) fn bad_year(&self) -> Option<i32> {
         let years = [self.start, self.end()].map(|epoch| epoch.to_gregorian_utc().0);
         years.into_iter().find(|year| !YEARS.contains(year))
@@ -117,7 +117,7 @@ impl Time {
 
     /// Frames of one playback, at least one.
     pub fn frame_count(&self) -> u64 {
-        // At most [`MAX_FRAMES`] by the scene's checks; `as` saturates for a hand-made value.
+        // At most [`MAX_FRAMES`] by the scene's checks; `as` saturates for manually created values.
         self.frames_exact().round().max(1.0) as u64
     }
 }
@@ -176,7 +176,7 @@ impl SceneText<'_> {
                  shorten the duration, lower the frame rate or raise the speed",
                 speed.abs()
             );
-            // With the default duration only slow motion comes here, so the field that is named is one that is given.
+            // With the default duration only slow motion reaches this, so the reported field is a given one.
             let guilty = if speed.abs() < 1.0 {
                 &speed_field
             } else {
@@ -194,7 +194,7 @@ impl SceneText<'_> {
         Ok(time)
     }
 
-    /// Reads a UTC instant, given as a string or as a date-time of TOML.
+    /// Reads a UTC instant, given as a string or as a TOML date-time.
     pub(super) fn instant(
         &self,
         field: &Field<'_, toml::Value>,
@@ -211,7 +211,7 @@ impl SceneText<'_> {
                         format!("must have a date, a time of day and the zone Z; {ADVICE}");
                     return Err(self.reject(field, advice));
                 }
-                // TOML lets the seconds be left out, RFC 3339 does not.
+                // TOML permits times without seconds, RFC 3339 does not.
                 if let Some(time) = &mut when.time {
                     time.second.get_or_insert(0);
                 }
@@ -238,7 +238,7 @@ pub(super) fn year_advice(year: i32) -> String {
     )
 }
 
-/// An instant as a scene would write it: RFC 3339, without decimals of the second where they are all 0.
+/// An instant in scene syntax: RFC 3339, without fractional seconds if they are 0.
 pub(super) fn utc(epoch: Epoch) -> String {
     let text = rfc3339(epoch);
     match text.strip_suffix(".000Z") {

@@ -1,4 +1,4 @@
-//! `[output] tone`: a tone curve by name, or a measured camera response of a file.
+//! `[output] tone`: a named tone curve, or a measured camera response from a file.
 
 use super::earth::EarthTable;
 use super::error::{SceneError, printable};
@@ -13,7 +13,7 @@ use toml::Spanned;
 /// `[output] tone`
 #[derive(Clone, Debug, PartialEq)]
 pub enum ToneTable {
-    /// A curve that needs no file.
+    /// A curve without a file.
     Named(Tone),
     /// A measured response.
     Measured {
@@ -30,15 +30,15 @@ pub enum ToneTable {
 pub struct ToneError {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong with it, with the line where there is one.
+    /// The problem, with the line if known.
     pub problem: String,
 }
 
 impl ToneTable {
-    /// The curve, a measured one read from its file.
+    /// The curve; a measured one is read from its file.
     ///
     /// # Errors
-    /// A file that cannot be read or has no such response.
+    /// An unreadable file, or one without such a response.
     pub fn open(&self) -> Result<Tone, ToneError> {
         match self {
             Self::Named(tone) => Ok(*tone),

@@ -1,4 +1,4 @@
-//! Over what time trails, ground tracks and swaths are drawn.
+//! Time spans of trails, ground tracks and swaths.
 
 use super::error::{SceneError, printable};
 use super::field::{Field, range_text};
@@ -6,12 +6,12 @@ use super::orbit_keys::SPAN_MIN;
 use super::text::SceneText;
 use toml::Spanned;
 
-/// Over what time a curve is drawn.
+/// Time span of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TrackSpan {
-    /// By revolutions: a trail's is the last, a ground track's half of one to each side.
+    /// Revolutions: the last one for a trail, half of one on each side for a ground track.
     Usual,
-    /// So many minutes.
+    /// A number of minutes.
     Minutes {
         /// Before now.
         before_min: f64,
@@ -21,7 +21,7 @@ pub enum TrackSpan {
 }
 
 impl TrackSpan {
-    /// As a scene would write it.
+    /// The span in scene syntax.
     fn text(self) -> String {
         match self {
             Self::Usual => "true".to_owned(),
@@ -34,7 +34,7 @@ impl TrackSpan {
 }
 
 impl SceneText<'_> {
-    /// Checks a span; `None` is none.
+    /// Checks a span; `None` means no curve.
     pub(super) fn span(
         &self,
         field: &Field<'_, toml::Value>,
@@ -60,7 +60,7 @@ impl SceneText<'_> {
         let (mut before_min, mut after_min) = (0.0, 0.0);
         for (key, value) in entries {
             let minutes = match value {
-                // Whole minutes: i64 as f64 is exact in the range that is taken.
+                // Integer minutes: i64 as f64 is exact in the accepted range.
                 toml::Value::Integer(whole) => *whole as f64,
                 toml::Value::Float(minutes) => *minutes,
                 _ => return Err(self.reject(field, advice())),

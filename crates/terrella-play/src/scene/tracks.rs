@@ -1,4 +1,4 @@
-//! What is drawn of satellites: keys of `[orbit]`, and `[tracks]` with what holds for all.
+//! Drawing options of satellites: keys of `[orbit]`, and `[tracks]` with those common to all.
 
 use super::error::SceneError;
 use super::field::{Field, own_or};
@@ -10,7 +10,7 @@ use super::track_span::TrackSpan;
 use terrella_orbit::FieldOfView;
 use toml::Spanned;
 
-/// What is drawn of one satellite besides the Earth under it. All of it is off where a scene says nothing.
+/// Drawing options of one satellite besides the Earth below it. All are off by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Track {
     /// Display values (sRGB); `None` is the next of the usual ones.
@@ -42,7 +42,8 @@ impl Track {
 }
 
 impl SceneText<'_> {
-    /// Checks what is drawn of a satellite; with a map of coverage its sensor counts without being drawn.
+    /// Checks the drawing options of a satellite. With a coverage map its sensor counts even if it is not
+    /// drawn.
     pub(super) fn track(
         &self,
         orbit: &RawOrbit,
@@ -62,7 +63,7 @@ impl SceneText<'_> {
         })
     }
 
-    /// Checks what holds for all; answers the width of lines, pixels.
+    /// Checks the options common to all satellites; returns the line width, pixels.
     pub(super) fn tracks(
         &self,
         tracks: &RawTracks,
@@ -73,7 +74,7 @@ impl SceneText<'_> {
             let advice = "tracks are of satellites and this scene has none; give it an [orbit] table, or leave [tracks] out";
             return Err(self.reject_at("tracks", key.name, span, advice));
         }
-        // Each satellite may have keys of its own: what is common is checked here too.
+        // Each satellite may have its own keys, so common keys are checked here too.
         self.track(&RawOrbit::default(), tracks, has_coverage)?;
         let width_px = self.number(&tracks.width_px(), |_, range| {
             format!("lines must be from {range} pixels wide")
@@ -88,7 +89,7 @@ impl SceneText<'_> {
         Ok(width_px)
     }
 
-    /// A colour, or none where the next of the usual ones is taken.
+    /// A colour, or `None` for the next default colour.
     pub(super) fn color(&self, field: &Field<'_, String>) -> Result<Option<[u8; 3]>, SceneError> {
         let Some(text) = field.given.map(Spanned::get_ref) else {
             field.note(Err("one of the usual colours, by its place in the scene"));
@@ -97,7 +98,7 @@ impl SceneText<'_> {
         self.color_of(field, text).map(Some)
     }
 
-    /// A colour as `text` says it: the value of the key, or its default.
+    /// Parses `text` as a colour: the value of the key, or its default.
     pub(super) fn color_of(
         &self,
         field: &Field<'_, String>,

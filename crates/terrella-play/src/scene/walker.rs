@@ -9,11 +9,11 @@ use terrella::frames::Ellipsoid;
 use terrella_orbit::kepler::{Anomaly, KeplerElements, OrbitSize};
 use toml::Spanned;
 
-/// Most satellites of a pattern.
+/// Maximum satellites of a pattern.
 const MAX_SATELLITES: u32 = 20_000;
-/// Why keys of elements come to nothing.
+/// Why keys of elements have no value.
 const BY_PATTERN: &str = "the walker pattern gives the orbit";
-/// Keys of elements that a pattern gives itself.
+/// Keys of elements that a pattern determines.
 const GIVEN: [&str; 6] = [
     "semi_major_axis_km",
     "periapsis_km",
@@ -23,8 +23,8 @@ const GIVEN: [&str; 6] = [
     "true_anomaly_deg",
 ];
 
-/// A pattern: T satellites evenly in P planes of inclination i, planes evenly over an arc of the equator, and a satellite of the next plane
-/// F · 360°/T ahead.
+/// A pattern: T satellites, evenly spaced in P planes of inclination i. The planes are evenly spaced over an arc of the equator. A
+/// satellite of the next plane is F · 360°/T ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Walker {
     /// i, degrees.
@@ -38,7 +38,7 @@ pub struct Walker {
 }
 
 impl Walker {
-    /// i:T/P/F.
+    /// Parses i:T/P/F.
     fn of_text(text: &str, span_rad: f64) -> Result<Self, &'static str> {
         let form = "must be i:T/P/F, inclination in degrees, number of satellites, of planes, and phasing: \"53:72/6/1\"";
         let parts = text.split_once(':').and_then(|(inclination, rest)| {
@@ -72,24 +72,24 @@ impl Walker {
         })
     }
 
-    /// How many satellites it has.
+    /// Number of satellites.
     pub fn count(&self) -> u32 {
         self.satellites
     }
 
-    /// Plane and place in it of a satellite, from 0.
+    /// Plane of a satellite and its index in the plane, from 0.
     fn slot(&self, index: u32) -> (u32, u32) {
         let in_plane = self.satellites / self.planes;
         (index / in_plane, index % in_plane)
     }
 
-    /// The name of a satellite: plane and place in it, from 1.
+    /// The name of a satellite: plane and index in it, from 1.
     pub fn name(&self, pattern: &str, index: u32) -> String {
         let (plane, place) = self.slot(index);
         format!("{pattern} {}-{}", plane + 1, place + 1)
     }
 
-    /// The elements of a satellite, from those of the first.
+    /// The elements of a satellite, computed from those of the first.
     pub fn elements(&self, first: &KeplerElements, index: u32) -> KeplerElements {
         let (plane, place) = self.slot(index);
         let part = |count: u32, of: u32| f64::from(count) / f64::from(of);
@@ -101,13 +101,13 @@ impl Walker {
             + part(self.phasing * plane, self.satellites);
         KeplerElements {
             raan_rad: first.raan_rad + self.span_rad * part(plane, self.planes),
-            // On a circle the anomalies are the same.
+            // On a circle all anomalies are equal.
             anomaly: Anomaly::Mean((ahead_rad + TAU * ahead).rem_euclid(TAU)),
             ..*first
         }
     }
 
-    /// As a summary has it.
+    /// Description for a summary.
     pub fn text(&self) -> String {
         let Self {
             inclination_deg,
@@ -154,7 +154,7 @@ impl SceneText<'_> {
         Ok(Some(pattern))
     }
 
-    /// The elements of a pattern's first satellite: a circle.
+    /// The elements of a pattern's first satellite, on a circle.
     pub(super) fn walker_elements(
         &self,
         orbit: &RawOrbit,
@@ -214,7 +214,8 @@ mod tests {
         all.collect()
     }
 
-    /// Walker's own example of a delta pattern, 6/3/1, and a star of two planes: nodes and places by hand.
+    /// Walker's own example of a delta pattern, 6/3/1, and a star of two planes, with nodes and positions
+    /// computed by hand.
     #[test]
     fn patterns_have_their_nodes_and_phases() {
         assert_eq!(

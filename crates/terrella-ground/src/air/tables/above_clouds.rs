@@ -1,4 +1,4 @@
-//! The air above a layer of clouds: what it does to the light of clouds, which the air below them does not touch.
+//! The atmosphere above a cloud layer. Only this part affects the light of clouds.
 
 use super::interpolation::{InterpolationBound, LitFromOutside};
 use super::{AirOptions, Builder, Outside, RAYS, SUNLIGHT};
@@ -6,21 +6,21 @@ use crate::air::model::AirModel;
 use glam::{Vec3, Vec4};
 use std::sync::OnceLock;
 
-/// Height of the clouds that tables come with the crate for, metres.
+/// Cloud height of the tables that ship with the crate, metres.
 pub(super) const SHIPPED_M: f64 = 6_000.0;
 
-/// Tables of [`AirTables`](super::AirTables) as if the layer were the ground: a cloud that lets nothing through is a Lambertian sheet
+/// Tables of [`AirTables`](super::AirTables) with the cloud layer in place of the ground. An opaque cloud is a Lambertian sheet
 /// there.
 pub struct AirAboveClouds {
-    /// Light scattered into a ray over a black layer: [`RAYS`] rays that meet it.
+    /// Light scattered into a ray over a black layer, for [`RAYS`] rays that meet the layer.
     pub scattering: Vec<Vec4>,
-    /// Light that the layer sends up and the air scatters into a ray.
+    /// Light from the layer that the atmosphere scatters into a ray.
     pub bounce: Vec<Vec4>,
     /// Transmittance of a ray.
     pub through: Vec<Vec4>,
-    /// Sunlight and the sky's irradiance on the layer.
+    /// Sunlight on the layer and irradiance of the sky.
     pub sunlight: Vec<Vec4>,
-    /// What the air sends back of light that the layer sends up, RGB.
+    /// Fraction of the layer's light that the atmosphere returns to the layer, RGB.
     pub sky_albedo: Vec3,
     pub(super) interpolation: OnceLock<InterpolationBound>,
 }
@@ -44,12 +44,13 @@ impl AirAboveClouds {
         }
     }
 
-    /// The sky's irradiance on the layer, as a row of [`AirTables::sunlight`](super::AirTables::sunlight).
+    /// Irradiance of the sky on the layer, as a row of
+    /// [`AirTables::sunlight`](super::AirTables::sunlight).
     pub fn sky(&self) -> &[Vec4] {
         &self.sunlight[SUNLIGHT.x as usize..]
     }
 
-    /// Where the light of clouds may be interpolated; found when it is first asked for.
+    /// Where the light of clouds may be interpolated; computed on first use.
     pub fn interpolation(&self) -> &InterpolationBound {
         self.interpolation
             .get_or_init(|| InterpolationBound::new(&self.lit_from_outside()))
@@ -73,7 +74,8 @@ mod tests {
     use crate::air::tables::{AirTables, SCATTERING};
     use std::f32::consts::PI;
 
-    /// What comes from a thick cloud under the Sun abeam at a zenith cosine, seen at another.
+    /// Light of a thick cloud under a Sun abeam at one zenith cosine, seen at another zenith
+    /// cosine.
     fn cloud(aerosol_optical_depth: f64, mu: f64, mu_s: f64) -> Vec3 {
         let options = AirOptions {
             aerosol_optical_depth,
@@ -83,7 +85,7 @@ mod tests {
         lit.at(mu as f32, mu_s as f32, 0.5 * PI).seen(0.7)
     }
 
-    /// The aerosol lies below them: the fault of `clouds stand behind the air that is below them` was 26 %.
+    /// The aerosol is below the clouds. When clouds were dimmed by all of the air, the error was 26 %.
     #[test]
     fn haze_below_clouds_does_not_dim_them() {
         for zenith_deg in [0.0, 30.0, 60.0, 75.0_f64] {
@@ -101,7 +103,8 @@ mod tests {
         }
     }
 
-    /// An independent program's light of a grey Lambertian layer at 6 km: its file says how it was computed.
+    /// Light of a grey Lambertian layer at 6 km from an independent program. The file says how it was
+    /// computed.
     const RADIATIVE_TRANSFER: &str =
         include_str!("../../../../../tests/data/air/lambert_layer_6_km.csv");
 

@@ -1,61 +1,63 @@
-//! Where the air's light may be interpolated between vertices of a mesh instead of being looked up for each pixel.
+//! Where atmospheric light may be interpolated between mesh vertices instead of sampled per pixel.
 //!
-//! At a place of the ground it follows from two directions, that of the eye and that of the Sun: what the air adds before the ground,
-//! what it lets through, and sunlight and skylight on the ground. Along a side of a cell the normal turns by β, its length over the
-//! Earth's radius, and the ray of sight by α, its length over the eye's distance at most. A second derivative along it then is
-//! A α² + 2 B αβ + C β², and linear interpolation over half a square cell is wrong by a quarter of that at most: half the square of the
-//! radius of the circle about it. A, B and C are the largest for any azimuth of the Sun and three directions of the side, as central
-//! differences on the tables themselves. How much of an error is seen depends on how bright the ground is: over the sea the
-//! picture is dark and shows what the air adds, white ground shows what it lets through.
+//! At a point of the ground the light depends on two directions: to the eye and to the Sun. It consists of inscattered light, transmittance, and
+//! sunlight and skylight on the ground. Along a side of a cell the normal rotates by β, the side's length over the Earth's radius. The view ray
+//! rotates by at most α, the side's length over the eye's distance. A second derivative along the side is then A α² + 2 B αβ + C β². Linear
+//! interpolation over half a square cell has at most a quarter of that as error: half the squared radius of its circumcircle. A, B and C are the
+//! largest over all azimuths of the Sun and three directions of the side. They are central differences on the tables themselves. How visible an error
+//! is depends on the ground's albedo. Over the sea the image is dark and shows inscattered light; white ground shows transmittance.
 
 use super::{RAYS, SCATTERING, SUNLIGHT, sun_coordinate, sun_cosine};
 use glam::{Vec3, Vec4};
 use std::f32::consts::{FRAC_1_SQRT_2, PI};
 
-/// Nodes, even in the tables' own coordinates: the root of the view's cosine, and that of the Sun's.
+/// Nodes, evenly spaced in the tables' own coordinates: the square root of the view cosine, and the
+/// Sun coordinate.
 const VIEWS: usize = 17;
 const SUNS: usize = 33;
-/// Azimuths of the Sun from the view's, 0 to π.
+/// Azimuths of the Sun relative to the view, 0 to π.
 const AZIMUTHS: usize = 5;
-/// Steps of the differences, radians: about what a cell spans from near by, and from the Earth's centre.
+/// Steps of the differences, radians: about the span of a cell seen from near by, and from the Earth's
+/// centre.
 const VIEW_STEP: f32 = 0.12;
 const GROUND_STEP: f32 = 0.03;
-/// Albedos of the ground that errors are seen over, from the open sea's to white.
+/// Ground albedos for which errors are judged, from open sea to white.
 const ALBEDOS: [f32; GROUNDS] = [0.02, 0.1, 0.35, 1.0];
 const GROUNDS: usize = 4;
-/// Albedo of the ground about, which the air is lit by: the Earth's under its clouds. It is looked up for each pixel, and what it is
-/// multiplied by is interpolated.
+/// Albedo of the surrounding ground that lights the atmosphere: the Earth's with its clouds. It is sampled per pixel, and its factor
+/// is interpolated.
 const NEIGHBOURHOOD: f32 = 0.3;
-/// Light that goes to and fro between ground and air adds a quarter to what falls at most.
+/// Light reflected between ground and atmosphere adds at most a quarter to the irradiance.
 const TO_AND_FRO: f32 = 1.25;
-/// Largest error that is not seen: half a step of 8 bits.
+/// Largest invisible error: half a step of 8 bits.
 const HALF_A_CODE: f32 = 0.5 / 255.0;
 
-/// How wrong interpolated light is.
+/// Bounds of the interpolation error.
 pub struct InterpolationBound {
     cells: Vec<[Curvature; GROUNDS]>,
 }
 
-/// The same for one exposure, in errors that are just not seen.
+/// The bounds for one exposure, in units of the largest invisible error.
 pub struct InterpolationLimits {
     cells: Vec<[f32; 3]>,
     exposure: f32,
 }
 
-/// The largest second derivatives of light, RGB, a radian squared, in a cell of the nodes.
+/// Largest second derivatives of light in a cell of nodes, RGB per radian squared.
 #[derive(Clone, Copy)]
 struct Curvature {
     view: Vec3,
     both: Vec3,
     ground: Vec3,
-    /// The least light.
+    /// Smallest light.
     light: Vec3,
 }
 
-/// Tables of light over the ground, or over clouds as if they were the ground, for an eye outside the air.
+/// Tables of light over the ground, or over clouds in place of the ground, for an eye outside the
+/// atmosphere.
 #[derive(Clone, Copy)]
 pub(super) struct LitFromOutside<'t> {
-    /// Along x; those that meet the ground come first.
+    /// Ray count along x; rays that meet the ground come first.
     pub rays: u32,
     pub scattering: &'t [Vec4],
     pub bounce: &'t [Vec4],
@@ -64,16 +66,16 @@ pub(super) struct LitFromOutside<'t> {
     pub sky_albedo: Vec3,
 }
 
-/// What the air does at a place.
+/// Effect of the atmosphere at one point.
 pub(super) struct Sample {
     light: Vec3,
     through: Vec3,
-    /// What falls on level ground.
+    /// Irradiance on level ground.
     falls: Vec3,
 }
 
 impl InterpolationBound {
-    /// Of these tables. Takes some milliseconds.
+    /// Computes the bounds of these tables; takes some milliseconds.
     pub(super) fn new(tables: &LitFromOutside<'_>) -> Self {
         let nodes: Vec<_> = (0..SUNS * VIEWS)
             .map(|n| Curvature::at_node(tables, n % VIEWS, n / VIEWS))
@@ -88,7 +90,7 @@ impl InterpolationBound {
         }
     }
 
-    /// Limits for light that is not shown yet: see [`Self::set_shown`].
+    /// Limits for light without an exposure yet; see [`Self::set_shown`].
     pub fn limits(&self) -> InterpolationLimits {
         InterpolationLimits {
             cells: vec![[f32::INFINITY; 3]; self.cells.len()],
@@ -96,8 +98,8 @@ impl InterpolationBound {
         }
     }
 
-    /// Sets the limits to those of light that is multiplied by this factor and then shown by a curve: display values rise by
-    /// `display_slope` for each unit of light so multiplied. One set of limits is for one curve.
+    /// Sets the limits for light that is multiplied by `exposure` and then displayed with a curve. Display values rise by
+    /// `display_slope` per unit of multiplied light. Use one set of limits for one curve.
     pub fn set_shown(
         &self,
         limits: &mut InterpolationLimits,
@@ -120,13 +122,13 @@ impl InterpolationBound {
 }
 
 impl InterpolationLimits {
-    /// Whether interpolation is good enough about a vertex, given the cosines of the zenith angles of the eye and the Sun there and what a
-    /// side of its cells spans, radians, from the eye and from the Earth's centre.
+    /// Whether interpolation is accurate enough around a vertex. `cosines` are of the zenith angles of the eye and the Sun there.
+    /// `spans_rad` is the angle of a cell's side, seen from the eye and from the Earth's centre.
     pub fn allow(&self, cosines: (f32, f32), spans_rad: (f32, f32)) -> bool {
         self.error(cosines, spans_rad) <= 1.0
     }
 
-    /// How large the error may be, in errors that are just not seen.
+    /// Bound of the error, in units of the largest invisible error.
     fn error(&self, (mu, mu_s): (f32, f32), (view_rad, ground_rad): (f32, f32)) -> f32 {
         let x = (mu.max(0.0).sqrt() * (VIEWS - 1) as f32) as usize;
         let y = (sun_coordinate(mu_s) * (SUNS - 1) as f32) as usize;
@@ -171,7 +173,7 @@ impl Curvature {
         all.fold([Self::NONE; GROUNDS], worse)
     }
 
-    /// By differences along a side, at a place whose normal is z.
+    /// Differences along a side, at a point whose normal is z.
     fn along(
         tables: &LitFromOutside<'_>,
         (view, sun): (Vec3, Vec3),
@@ -187,7 +189,7 @@ impl Curvature {
         let second = |x: f32, y: f32| here.second_differences(&at(x, y), &at(-x, -y));
         let (of_view, of_ground, of_all) = (second(1.0, 0.0), second(0.0, 1.0), second(1.0, 1.0));
         std::array::from_fn(|n| {
-            // Of f(t, t) the second derivative is the sum of all.
+            // The second derivative of f(t, t) is the sum of all terms.
             let both = 0.5 * (of_all[n] - of_view[n] - of_ground[n]);
             Self {
                 view: of_view[n].abs() / (VIEW_STEP * VIEW_STEP),
@@ -200,7 +202,7 @@ impl Curvature {
 }
 
 impl LitFromOutside<'_> {
-    /// Where the normal is `up`, towards the eye and towards the Sun, all of length 1.
+    /// Sample at a normal `up`, with directions to the eye and to the Sun, all of length 1.
     fn sample(&self, up: Vec3, view: Vec3, sun: Vec3) -> Sample {
         let (mu, mu_s) = (view.dot(up).clamp(0.0, 1.0), sun.dot(up).clamp(-1.0, 1.0));
         let flat = ((1.0 - mu * mu) * (1.0 - mu_s * mu_s)).max(1e-12).sqrt();
@@ -208,7 +210,7 @@ impl LitFromOutside<'_> {
         self.at(mu, mu_s, azimuth)
     }
 
-    /// The light of an Earth of this albedo, by the cosines of the zenith angles of the eye and of the Sun, and the Sun's azimuth.
+    /// The light of an Earth with this albedo, by the zenith cosines of the eye and the Sun and by the Sun's azimuth.
     #[cfg(test)]
     pub fn over(&self, albedo: f32, (mu, mu_s, azimuth): (f32, f32, f32)) -> Vec3 {
         let sample = self.over_neighbourhood(albedo, (mu, mu_s, azimuth));
@@ -216,12 +218,12 @@ impl LitFromOutside<'_> {
         sample.light + sample.through * sent_up
     }
 
-    /// By the cosines of the zenith angles of the eye and of the Sun, and the Sun's azimuth from the ray's.
+    /// Sample by the zenith cosines of the eye and the Sun, and the Sun's azimuth from the ray.
     pub fn at(&self, mu: f32, mu_s: f32, azimuth: f32) -> Sample {
         self.over_neighbourhood(NEIGHBOURHOOD, (mu, mu_s, azimuth))
     }
 
-    /// The same where the ground about is of an albedo.
+    /// The same for surrounding ground of a given albedo.
     fn over_neighbourhood(&self, albedo: f32, (mu, mu_s, azimuth): (f32, f32, f32)) -> Sample {
         let x = mu.sqrt() * (RAYS - 1) as f32;
         let y = sun_coordinate(mu_s) * (SCATTERING.y - 1) as f32;
@@ -244,12 +246,12 @@ impl LitFromOutside<'_> {
 }
 
 impl Sample {
-    /// What the eye sees of ground of this albedo.
+    /// Light that the eye sees over ground of this albedo.
     pub fn seen(&self, albedo: f32) -> Vec3 {
         self.light + albedo * self.through * self.falls
     }
 
-    /// Second differences of the light of each ground, its parts being interpolated one by one.
+    /// Second differences of the light of each ground, with its parts interpolated separately.
     fn second_differences(&self, before: &Self, after: &Self) -> [Vec3; GROUNDS] {
         let second = |of: fn(&Self) -> Vec3| of(before) + of(after) - 2.0 * of(self);
         let light = second(|sample| sample.light);
@@ -259,7 +261,7 @@ impl Sample {
     }
 }
 
-/// Between four texels of a table whose rows stand one after another.
+/// Bilinear sample of a table stored row by row.
 fn bilinear(texels: &[Vec4], width: u32, x: f32, y: f32) -> Vec4 {
     let width = width as usize;
     let column = (x as usize).min(width - 2);
@@ -281,7 +283,7 @@ mod tests {
     use super::*;
     use crate::air::{AirOptions, AirTables};
 
-    /// Numbers 0…1 that are the same on every machine.
+    /// Random numbers 0…1, the same on every machine.
     struct Random(u64);
 
     impl Random {
@@ -298,7 +300,7 @@ mod tests {
         }
     }
 
-    /// How steep the encoding of sRGB is.
+    /// Slope of the sRGB encoding.
     fn display_slope(linear: Vec3) -> Vec3 {
         linear.map(slope_of_channel)
     }
@@ -319,8 +321,8 @@ mod tests {
         }
     }
 
-    /// Cells on a sphere, seen from anywhere above the air under any Sun: what is drawn in the middle of their longest side, from both of
-    /// its ends, beside what is right there.
+    /// Cells on a sphere, seen from anywhere above the atmosphere under any Sun. Compares the value interpolated at the middle of the
+    /// longest side with the exact value.
     #[test]
     fn errors_stay_within_the_bound() {
         let tables = AirTables::shared(&AirOptions::default());
@@ -369,7 +371,7 @@ mod tests {
                 );
             }
         }
-        // Neither for lack of cells nor of errors.
+        // Both enough cells and measurable errors occurred.
         assert!(allowed > 5_000 && worst > 0.1, "{allowed} {worst}");
     }
 
@@ -392,7 +394,7 @@ mod tests {
             assert!(!limits.allow((mu, mu_s), near), "{mu} {mu_s}");
         }
         assert!(!limits.allow((0.9, 0.8), (f32::NAN, side)));
-        // Nothing is, before the exposure is known.
+        // Nothing is interpolated before the exposure is known.
         assert!(
             !tables
                 .interpolation()

@@ -1,6 +1,6 @@
-//! A straight ray through the air, cut into steps, ready to be lit by any Sun.
+//! A straight ray through the atmosphere in steps, ready to be lit by any Sun.
 //!
-//! Steps, densities and what the ray itself dims do not depend on where the Sun stands: they are computed once for all Suns.
+//! Steps, densities and transmittance along the ray do not depend on the Sun. They are computed once for all Suns.
 
 use super::source_table::{COEFFICIENTS, SUNS, SourceFunction, SourceTable};
 use super::transmittance::{SunRow, TransmittanceTable};
@@ -8,18 +8,18 @@ use super::{LOWEST_SUN, sun_coordinate};
 use crate::air::model::{AirModel, aerosol_phase, molecule_phase};
 use crate::air::spectrum::Spectrum;
 
-/// A ray by a point of it: lengths in equatorial radii of scaled space.
+/// A ray by one of its points. Lengths are in equatorial radii of scaled space.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ray {
     /// Distance of the point from the Earth's centre.
     pub r: f64,
     /// Cosine between the ray and the point's zenith.
     pub mu: f64,
-    /// Where it is followed from, along it from the point.
+    /// Start of the ray, as a distance along it from the point.
     pub from: f64,
-    /// Where it is followed to.
+    /// End of the ray.
     pub to: f64,
-    /// Where steps are crowded, `from`…`to`: where the ray is lowest.
+    /// Distance in `from`…`to` around which steps are dense: where the ray is lowest.
     pub crowd: f64,
 }
 
@@ -30,12 +30,12 @@ struct Step {
     b: f32,
     /// Cosine between the ray and the step's zenith.
     up: f32,
-    /// What scattered light leaves of one unit of sunlight there, by molecules and aerosol, times the ray's transmittance up to there.
+    /// Light that molecules and aerosol scatter per unit of sunlight at the step, times the transmittance up to the step.
     molecules: Spectrum,
     aerosol: Spectrum,
-    /// Sunlight by the Sun's cosine.
+    /// Sunlight by Sun cosine.
     sun: SunRow,
-    /// Sources by the Sun's cosine, times the same; empty where there are none.
+    /// Sources by Sun cosine, with the same factor; empty without sources.
     sources: Vec<SourceFunction>,
 }
 
@@ -47,12 +47,12 @@ pub(super) struct Path {
     lowest: f32,
 }
 
-/// Which light a ray gathers.
+/// Light that a ray collects.
 #[derive(Clone, Copy)]
 pub(super) struct Light<'a> {
-    /// Light straight from the Sun, scattered once.
+    /// Direct sunlight, scattered once.
     pub sun: bool,
-    /// Light that was scattered before.
+    /// Light that was scattered earlier.
     pub sources: Option<&'a SourceTable>,
 }
 
@@ -67,7 +67,7 @@ impl Path {
     ) -> Self {
         let length = ray.to - ray.from;
         let crowd = ((ray.crowd - ray.from) / length.max(1e-12)).clamp(0.0, 1.0);
-        // Positions crowd + signed square on each side.
+        // Positions are crowd + signed square on each side.
         let (low, high) = (-crowd.sqrt(), (1.0 - crowd).sqrt());
         let place = |n: u32| {
             let x = low + f64::from(n) / f64::from(count) * (high - low);

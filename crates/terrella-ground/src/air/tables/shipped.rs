@@ -1,9 +1,9 @@
-//! The tables of the default air, which come with the crate: computing them would take most of a second of every start.
+//! Tables of the default atmosphere, which ship with the crate. Computing them would add most of a second to every start.
 //!
-//! `default.bin` is little-endian: `scattering` and `bounce` as IEEE halves, which is how the GPU holds them and all that they are for;
-//! then `through`, `sunlight`, `transmittance`, `sources`, `profile` and the sky's albedo as f32. `above_clouds.bin` has the same of
-//! [`AirAboveClouds`], which has no `transmittance`, `sources` and `profile`.
-//! `TERRELLA_UPDATE_AIR=1 cargo test -p terrella-ground shipped` writes them again; without the variable the same tests compare.
+//! `default.bin` is little-endian. It starts with `scattering` and `bounce` as IEEE halves; only the GPU uses them, in this form. `through`,
+//! `sunlight`, `transmittance`, `sources`, `profile` and the sky's albedo follow as f32. `above_clouds.bin` has the same layout for
+//! [`AirAboveClouds`], without `transmittance`, `sources` and `profile`. `TERRELLA_UPDATE_AIR=1 cargo test -p terrella-ground shipped` writes both
+//! files. Without the variable the same tests compare them.
 
 use super::{
     AirAboveClouds, AirTables, BOUNCE, PROFILE, RAYS, SCATTERING, SOURCES, SUNLIGHT, THROUGH,
@@ -16,7 +16,7 @@ use std::sync::OnceLock;
 const DEFAULT: &[u8] = include_bytes!("default.bin");
 const ABOVE_CLOUDS: &[u8] = include_bytes!("above_clouds.bin");
 
-/// Tables by their texels: those of halves, then those of floats.
+/// Sizes of the tables in a file: half-float tables first, then f32 tables.
 struct Layout<const HALVES: usize, const FLOATS: usize> {
     halves: [TableSize; HALVES],
     floats: [TableSize; FLOATS],
@@ -49,7 +49,7 @@ pub(super) fn default_tables() -> AirTables {
     read_default(DEFAULT)
 }
 
-/// Those of the same air above clouds at [`SHIPPED_M`](super::above_clouds::SHIPPED_M).
+/// The tables of the same atmosphere above clouds at [`SHIPPED_M`](super::above_clouds::SHIPPED_M).
 pub(super) fn above_clouds() -> AirAboveClouds {
     read_above_clouds(ABOVE_CLOUDS)
 }
@@ -97,7 +97,7 @@ impl<const HALVES: usize, const FLOATS: usize> Layout<HALVES, FLOATS> {
         bytes
     }
 
-    /// From bytes, of which there are [`Self::bytes`].
+    /// Reads the tables from a slice of [`Self::bytes`] bytes.
     fn read(&self, bytes: &[u8]) -> ([Vec<Vec4>; HALVES], [Vec<Vec4>; FLOATS], Vec3) {
         let of_halves = self.halves.iter().map(|size| 8 * size.texels()).sum();
         let (halves, floats) = bytes.split_at(of_halves);
@@ -125,7 +125,7 @@ mod tests {
     use crate::air::AirOptions;
     use crate::half::half_bits;
 
-    /// Tables by their names, as they stand in a file, and whether they are halves there.
+    /// Tables with their names, in file order, and whether they are stored as halves.
     type Named<'t> = Vec<(&'static str, bool, &'t [Vec4])>;
 
     fn named(tables: &AirTables) -> (Named<'_>, Vec3) {
@@ -170,14 +170,14 @@ mod tests {
         bytes
     }
 
-    /// Writes the computed tables to a file of this folder, or compares.
+    /// Writes the computed tables to a file in this folder, or compares the two.
     fn compare(file: &str, shipped: &(Named<'_>, Vec3), computed: &(Named<'_>, Vec3)) {
         if std::env::var_os("TERRELLA_UPDATE_AIR").is_some() {
             let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/air/tables");
             std::fs::write(format!("{folder}/{file}"), bytes_of(computed)).expect("writes");
             return;
         }
-        // Exponentials differ in the last bit from one system's library to another's; a half has 11 bits.
+        // Exponentials differ in the last bit between system libraries; a half has 11 bits.
         for ((name, is_half, shipped), (_, _, computed)) in shipped.0.iter().zip(&computed.0) {
             assert_eq!(shipped.len(), computed.len(), "{name}");
             let most = if *is_half { 1e-3 } else { 1e-5 };

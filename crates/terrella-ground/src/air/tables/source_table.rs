@@ -1,4 +1,4 @@
-//! Source functions of light that was scattered before, by height and Sun.
+//! Source functions of multiply scattered light, by height and Sun.
 
 use super::height_coordinate;
 use crate::air::spectrum::Spectrum;
@@ -6,9 +6,9 @@ use std::ops::AddAssign;
 
 /// Coefficients of a source function.
 pub(super) const COEFFICIENTS: usize = 6;
-/// Sun cosines that sources are known at, by `sun_coordinate`.
+/// Sun cosines of the table, by `sun_coordinate`.
 pub(super) const SUNS: usize = 48;
-/// Heights that they are known at, by `height_coordinate`.
+/// Heights of the table, by `height_coordinate`.
 pub(super) const HEIGHTS: usize = 24;
 
 /// Coefficients a0, bx, bz, cxx, czz, cxz of a source function.
@@ -37,10 +37,11 @@ impl AddAssign for SourceFunction {
     }
 }
 
-/// Source functions per scattering coefficient, by height and Sun cosine: so they are smooth where densities are not.
+/// Source functions per scattering coefficient, by height and Sun cosine. The division keeps them smooth where
+/// densities are not.
 #[derive(Clone)]
 pub(super) struct SourceTable {
-    /// Heights one after another.
+    /// Values in order of height.
     pub texels: Vec<SourceFunction>,
 }
 
@@ -51,7 +52,7 @@ impl SourceTable {
         }
     }
 
-    /// All Suns' at radius `r`.
+    /// Values for all Suns at radius `r`.
     pub fn at(&self, r: f64) -> Vec<SourceFunction> {
         let at = height_coordinate(r) * (HEIGHTS - 1) as f64;
         let low = (at as usize).min(HEIGHTS - 2);

@@ -1,11 +1,10 @@
-//! Light that is scattered more than once, and light that the ground sends back, anywhere in the air.
+//! Multiply scattered light and light reflected by the ground, anywhere in the atmosphere.
 //!
-//! What a place scatters into a direction depends, for molecules exactly, only on the moments E = ∫L dω, M = ∫L d dᵀ dω of the
-//! light that reaches it, since Rayleigh's phase function is a polynomial of second order; of the aerosol's we keep the first
-//! three Legendre terms (and F = ∫L d dω), enough for light that has been scattered before. So the source function is
-//! J(v) = a0 + bx vx + bz vz + cxx vx² + czz vz² + cxz vx vz for a look along v, z up, x horizontal towards the Sun, and orders
-//! of scattering follow each other as in the method of successive orders: light gathered along rays from J, its moments,
-//! the next J. The rays are those of the spherical Earth; light changes along them as the Sun's height does.
+//! Scattering by molecules depends exactly on the moments E = ∫L dω and M = ∫L d dᵀ dω of the incoming light. This holds because Rayleigh's phase
+//! function is a polynomial of second order. For the aerosol we keep the first three Legendre terms (and F = ∫L d dω), enough for light that was
+//! already scattered. The source function is J(v) = a0 + bx vx + bz vz + cxx vx² + czz vz² + cxz vx vz. Here v is the view direction, z is up, and x is
+//! horizontal towards the Sun. The orders follow the method of successive orders: collect light along rays from J, compute its moments, and form the
+//! next J. Rays follow the spherical Earth; light varies along them with the Sun's height.
 
 use super::path::{Light, Path, Ray};
 use super::quadrature::{gauss_legendre_8, gauss_legendre_10};
@@ -22,17 +21,17 @@ const AZIMUTHS: usize = 4;
 /// Steps of a ray.
 const STEPS: u32 = 14;
 
-/// Sources of all orders.
+/// Sources of all orders of scattering.
 pub(super) struct Sources {
-    /// Over black ground.
+    /// Sources over black ground.
     pub black: SourceTable,
-    /// Of light that the ground sends up, for albedo 1 and one reflection.
+    /// Sources of light from the ground, for albedo 1 and one reflection.
     pub bounce: SourceTable,
-    /// What the air sends back of light that the ground sends up.
+    /// Fraction of the ground's light that the atmosphere returns to the ground.
     pub sky_albedo: Spectrum,
 }
 
-/// Moments of the light that reaches a place.
+/// Moments of the light that reaches a point.
 #[derive(Clone, Copy, Default)]
 struct Moments {
     e: Spectrum,
@@ -41,7 +40,7 @@ struct Moments {
     xx: Spectrum,
     zz: Spectrum,
     xz: Spectrum,
-    /// Of the light from above, its irradiance on a level surface.
+    /// Irradiance of the light from above on a level surface.
     down: Spectrum,
 }
 
@@ -56,7 +55,7 @@ impl Moments {
         self.down += light * z.max(0.0);
     }
 
-    /// The source function of this light where molecules and aerosol have these parts in scattering.
+    /// The source function of this light, with these scattering fractions of molecules and aerosol.
     fn source(&self, molecules: Spectrum, aerosol: Spectrum) -> SourceFunction {
         let [a, b] = RAYLEIGH_PHASE.map(|c| c as f32);
         let g = AEROSOL_ASYMMETRY as f32;
@@ -74,13 +73,13 @@ impl Moments {
     }
 }
 
-/// A direction that light is gathered from at every height.
+/// A direction from which light is collected at every height.
 struct Direction {
     mu: f64,
     weight: f64,
 }
 
-/// Directions up and down at radius `r`, crowded at the horizon on both sides.
+/// Directions up and down at radius `r`, dense on both sides of the horizon.
 fn looks(r: f64) -> Vec<Direction> {
     let horizon = horizon_cosine(r);
     let part = |nodes: &[(f64, f64)], low: f64, high: f64| -> Vec<Direction> {
@@ -96,12 +95,12 @@ fn looks(r: f64) -> Vec<Direction> {
     all
 }
 
-/// One order of scattering: the light of all directions at every height and Sun.
+/// One order of scattering: light from all directions at every height and Sun.
 struct Order<'a> {
     air: &'a AirModel,
     transmittance: &'a TransmittanceTable,
     light: Light<'a>,
-    /// Radiance of the ground by Sun cosine; empty where it is black.
+    /// Radiance of the ground by Sun cosine; empty for black ground.
     ground: &'a [Spectrum],
 }
 
@@ -161,7 +160,7 @@ impl Order<'_> {
     }
 }
 
-/// A value by Sun cosine.
+/// Interpolates a value by Sun cosine.
 pub(super) fn by_sun(values: &[Spectrum], mu_s: f64) -> Spectrum {
     let at = f64::from(super::sun_coordinate(mu_s as f32)) * (SUNS - 1) as f64;
     let low = (at as usize).min(SUNS - 2);
@@ -227,7 +226,7 @@ impl Sources {
     }
 }
 
-/// Orders one after another; what is left after the last is a geometric series. Adds what falls on the ground to `down`.
+/// Sums successive orders, with a geometric series for the rest. Adds the irradiance on the ground to `down`.
 fn sum_of_orders(
     down: &mut [Spectrum],
     mut order: impl FnMut(Option<&SourceTable>) -> (SourceTable, Vec<Spectrum>),
@@ -260,7 +259,8 @@ fn sum_of_orders(
     total
 }
 
-/// What a term stands for that all later ones follow in the ratio of it to the one before: 1/(1 − ratio).
+/// Sum of a geometric series relative to its first term: 1/(1 − ratio). The ratio is that of the last
+/// term to the one before.
 fn tail(before: Spectrum, last: Spectrum) -> Spectrum {
     let ratio = (last / before.max(1e-30)).max(0.0).min(0.9);
     Spectrum::ONE / (Spectrum::ONE - ratio)

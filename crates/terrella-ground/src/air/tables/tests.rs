@@ -1,4 +1,4 @@
-//! What tables must be whatever the air is made of; how bright it is, `tests/accuracy` holds against radiative transfer.
+//! Properties of tables for any atmosphere. `tests/accuracy` compares the brightness with radiative transfer.
 
 use super::*;
 
@@ -37,7 +37,7 @@ fn the_air_makes_no_light() {
         for n in 0..=20 {
             let mu_s = f64::from(n) / 20.0;
             let [direct, sky] = tables.sunlight_at(mu_s);
-            // What falls on the ground is at most what came, and less at each colour by what goes back to space.
+            // Irradiance on the ground is at most the incoming light. Each colour loses what returns to space.
             let falls = direct * mu_s as f32 + sky;
             let came = mu_s as f32 + 0.02;
             assert!(falls.max_element() < came, "{mu_s}: {falls} of {came}");

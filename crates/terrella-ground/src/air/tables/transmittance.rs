@@ -1,15 +1,15 @@
-//! How much of the Sun's light reaches a place in the air.
+//! Transmittance of sunlight to a point in the atmosphere.
 
 use super::{Lerp, TRANSMITTANCE};
 use crate::air::model::{AirModel, RADIUS_M, TOP};
 use crate::air::spectrum::Spectrum;
 
-/// Transmittance from a place to the upper boundary: by cosine above the horizon, and height.
+/// Transmittance from a point to the upper boundary, by cosine above the horizon and by height.
 pub(super) struct TransmittanceTable {
     pub texels: Vec<Spectrum>,
 }
 
-/// Its row at one height: transmittance by the Sun's cosine.
+/// One row of the table: transmittance at one height by Sun cosine.
 pub(super) struct SunRow<T = Spectrum> {
     row: Vec<T>,
     horizon: f32,
@@ -17,7 +17,7 @@ pub(super) struct SunRow<T = Spectrum> {
 }
 
 impl<T: Lerp> SunRow<T> {
-    /// A row of transmittances from a place whose horizon stands at this cosine.
+    /// A row of transmittances from a point whose horizon has this cosine.
     pub fn new(row: Vec<T>, horizon: f64) -> Self {
         Self {
             row,
@@ -26,7 +26,7 @@ impl<T: Lerp> SunRow<T> {
         }
     }
 
-    /// `None` where the Earth is in between.
+    /// `None` where the Earth blocks the Sun.
     pub fn at(&self, mu: f32) -> Option<T> {
         if mu < self.horizon || self.row.is_empty() {
             return None;
@@ -44,7 +44,7 @@ pub(super) fn horizon_cosine(r: f64) -> f64 {
 
 /// Distance along a ray to the upper boundary.
 pub(super) fn to_top(r: f64, mu: f64) -> f64 {
-    // −rμ + √(r²μ² + (top − r)(top + r)), without cancellation for rays that go up.
+    // −rμ + √(r²μ² + (top − r)(top + r)), without cancellation for rising rays.
     let half = r * mu;
     let c = (TOP - r).max(0.0) * (TOP + r);
     let root = (half * half + c).sqrt();
@@ -55,7 +55,7 @@ pub(super) fn to_top(r: f64, mu: f64) -> f64 {
     }
 }
 
-/// Distance along a ray to the ground, which it must meet.
+/// Distance along a ray to the ground; the ray must meet it.
 pub(super) fn to_ground(r: f64, mu: f64) -> f64 {
     let c = (r - 1.0).max(0.0) * (r + 1.0);
     let half = -r * mu;
@@ -73,7 +73,7 @@ impl TransmittanceTable {
         Self { texels }
     }
 
-    /// The row at radius `r`; an empty one if it is not `wanted`.
+    /// The row at radius `r`; empty if not `wanted`.
     pub fn row(&self, r: f64, wanted: bool) -> SunRow {
         let row = match wanted {
             true => super::row_at(&self.texels, TRANSMITTANCE, r),
@@ -82,13 +82,13 @@ impl TransmittanceTable {
         SunRow::new(row, horizon_cosine(r))
     }
 
-    /// From radius `r` to the Sun at cosine `mu`; zero where the Earth is in between.
+    /// Transmittance from radius `r` to the Sun at cosine `mu`; zero where the Earth blocks it.
     pub fn to_sun(&self, r: f64, mu: f64) -> Spectrum {
         self.row(r, true).at(mu as f32).unwrap_or(Spectrum::ZERO)
     }
 }
 
-/// Extinction on a fine grid of heights, so that transmittances are sums of looks.
+/// Extinction on a fine grid of heights, which turns a transmittance into a sum of lookups.
 struct ExtinctionProfile {
     values: Vec<Spectrum>,
 }
@@ -113,11 +113,12 @@ impl ExtinctionProfile {
         self.values[low].lerp(self.values[low + 1], part)
     }
 
-    /// From radius `r` to the upper boundary at zenith cosine `mu`, which must clear the ground.
+    /// Transmittance from radius `r` to the upper boundary at zenith cosine `mu`. The ray must
+    /// clear the ground.
     fn transmittance(&self, r: f64, mu: f64) -> Spectrum {
         const STEPS: u32 = 96;
         let length = to_top(r, mu);
-        // Steps are crowded where the ray is lowest.
+        // Steps are dense where the ray is lowest.
         let crowd = (-r * mu / length.max(1e-12)).clamp(0.0, 1.0);
         let (low, high) = (-crowd.sqrt(), (1.0 - crowd).sqrt());
         let place = |n: u32| {

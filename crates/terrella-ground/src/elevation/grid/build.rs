@@ -1,4 +1,4 @@
-//! Making a grid from its heights.
+//! Builds a grid from heights.
 
 use super::georeference::{Georeference, SampleLattice};
 use super::holes::{coverage, fill};
@@ -9,10 +9,10 @@ use super::{GridError, GridStats, HIGHEST_M, HeightGrid, LOWEST_M, Level};
 use crate::elevation::HeightRange;
 use crate::elevation::samples::HeightSamples;
 
-/// What one grid may take.
+/// Memory limits of one grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GridLimits {
-    /// Most bytes that it may hold, pyramids included. While it is made, 6 bytes a sample are held beside it.
+    /// Maximum size in bytes, pyramids included. During construction another 6 bytes per sample are in use.
     pub bytes: u64,
 }
 
@@ -26,7 +26,7 @@ impl Default for GridLimits {
 }
 
 impl GridLimits {
-    /// Rejects what cannot be held, whatever its heights.
+    /// Rejects sizes that exceed the limits with any heights.
     ///
     /// # Errors
     /// [`GridError::Size`] and [`GridError::Memory`].
@@ -52,18 +52,18 @@ impl GridLimits {
     }
 }
 
-/// Bytes of samples and pyramids: both pyramids have a third of the samples and a little for odd sizes.
+/// Bytes of samples and pyramids: each pyramid has a third of the samples, plus a little for odd sizes.
 fn estimated_bytes(samples: u64, is_short: bool) -> u64 {
     let (sample, range) = if is_short { (2, 4) } else { (4, 8) };
     samples * sample + (samples / 3 + samples / 64 + 4096) * (4 + range)
 }
 
 impl HeightGrid {
-    /// Makes a grid. `heights_m` are metres, the northern row first, each from west to east; what is not a finite number
+    /// Builds a grid. `heights_m` are metres, the northern row first, each from west to east. A value that is not finite
     /// is a hole.
     ///
     /// # Errors
-    /// [`GridError`], before anything large is allocated where size or place are wrong.
+    /// [`GridError`]. A wrong size or place is rejected before any large allocation.
     pub fn new(
         georeference: &Georeference,
         heights_m: Vec<f32>,
@@ -97,7 +97,7 @@ impl HeightGrid {
             (false, _) => HeightSamples::F32(heights_m),
             (true, true) => short(&heights_m, 0.0, 1.0),
             (true, false) => {
-                // A little less than the 65 536 there are: means in f32 may lie above the highest by their last digit.
+                // Slightly less than the 65 536 values: rounding of means in f32 may exceed the highest height.
                 let scale_m = ((range.high_m - range.low_m) / 65_500.0).max(1e-3);
                 short(&heights_m, 0.5 * (range.low_m + range.high_m), scale_m)
             }
@@ -135,7 +135,7 @@ impl HeightGrid {
     }
 }
 
-/// Takes the last sample of every row away.
+/// Removes the last sample of every row.
 fn drop_last_column(values: &mut Vec<f32>, columns: usize) {
     let mut n = 0;
     values.retain(|_| {
@@ -144,14 +144,14 @@ fn drop_last_column(values: &mut Vec<f32>, columns: usize) {
     });
 }
 
-/// Lowest and highest; infinities become holes.
+/// Lowest and highest height; infinities become holes.
 fn known_range(heights_m: &mut [f32]) -> Result<HeightRange, GridError> {
     let mut known = KnownHeights::default();
     known.add(heights_m);
     known.range()
 }
 
-/// What is known of heights that are read part by part.
+/// Range of heights that are read in parts.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::elevation) struct KnownHeights {
     low: f32,
@@ -168,7 +168,7 @@ impl Default for KnownHeights {
 }
 
 impl KnownHeights {
-    /// Looks at some; infinities become holes.
+    /// Adds some heights; infinities become holes.
     pub(in crate::elevation) fn add(&mut self, heights_m: &mut [f32]) {
         for height in heights_m {
             if height.is_finite() {
@@ -180,7 +180,7 @@ impl KnownHeights {
         }
     }
 
-    /// Rejects heights that no ground has, as soon as there are some.
+    /// Rejects heights outside the Earth's range, as soon as one occurs.
     pub fn check(&self) -> Result<(), GridError> {
         let (low_m, high_m) = (f64::from(self.low), f64::from(self.high));
         if low_m < LOWEST_M || high_m > HIGHEST_M {
@@ -189,7 +189,7 @@ impl KnownHeights {
         Ok(())
     }
 
-    /// Lowest and highest of all.
+    /// Lowest and highest height so far.
     pub fn range(&self) -> Result<HeightRange, GridError> {
         if self.low > self.high {
             return Err(GridError::Empty);
@@ -204,7 +204,8 @@ impl KnownHeights {
 
 type Coverage = Option<(Vec<u8>, [f64; 2])>;
 
-/// Gives holes heights; how far to believe them, how many there are and how many are left to the source beneath.
+/// Fills holes. Returns the confidence of samples, the number of holes, and how many are left to the source
+/// beneath.
 fn fill_holes(
     lattice: &SampleLattice,
     shapes: &[LevelShape],
@@ -215,7 +216,7 @@ fn fill_holes(
     if holes == 0 {
         return (None, 0, 0);
     }
-    // Upwards until there is no hole, then down again.
+    // Up the levels until no hole is left, then down again.
     let mut means: Vec<Vec<f32>> = Vec::new();
     for pair in shapes.windows(2) {
         let fine = means.last().map_or(&*heights_m, Vec::as_slice);
@@ -254,7 +255,7 @@ fn fill_holes(
     (coverage, holes, left)
 }
 
-/// A row that lies on a pole gets one height: its mean.
+/// Sets all samples of a row at a pole to their mean.
 fn one_value_at_poles(lattice: &SampleLattice, heights_m: &mut [f32]) {
     for (row, heights_m) in heights_m.chunks_exact_mut(lattice.columns).enumerate() {
         if lattice.is_pole(row) {
@@ -278,7 +279,7 @@ fn short(heights_m: &[f32], offset_m: f64, scale_m: f64) -> HeightSamples {
     }
 }
 
-/// All levels, from the samples as they are held.
+/// Builds all levels from the stored samples.
 fn pyramid(lattice: &SampleLattice, shapes: &[LevelShape], samples: &HeightSamples) -> Vec<Level> {
     let finest: Vec<f32>;
     let finest = match samples {
@@ -300,7 +301,7 @@ fn pyramid(lattice: &SampleLattice, shapes: &[LevelShape], samples: &HeightSampl
         means_m: Vec::new(),
         poles_m: poles_m(&shapes[0], finest),
     }];
-    // Means are made from means that have not been evened out, which would add up.
+    // Means are computed from means before evening out; repeated evening out would accumulate.
     let mut plain: Vec<f32> = Vec::new();
     for pair in shapes.windows(2) {
         let below = if levels.len() == 1 { finest } else { &plain };

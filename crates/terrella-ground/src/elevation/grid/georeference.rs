@@ -1,50 +1,50 @@
-//! Where the samples of a grid lie.
+//! Positions of the samples of a grid.
 
 use super::GridError;
 use crate::elevation::Bounds;
 use crate::elevation::floor::floor;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Most samples along one side of a grid.
+/// Maximum number of samples along one side of a grid.
 pub const MAX_SIDE: u32 = 1 << 20;
 
-/// How far, in spacings, a grid may miss a pole or a full turn and still be taken to reach it.
+/// Tolerance, in spacings, at which a grid counts as reaching a pole or spanning 360°.
 const SNAP: f64 = 0.1;
 
-/// What a sample stands for.
+/// Meaning of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Registration {
-    /// The mean of a cell about it: the grid covers half a spacing beyond its outermost samples.
+    /// The mean of a cell around it: the grid extends half a spacing beyond its outermost samples.
     Cells,
-    /// The height of a point: the grid ends with its outermost samples.
+    /// The height of a point: the grid ends at its outermost samples.
     Posts,
 }
 
-/// Size and place of a grid of samples at equal steps of latitude and longitude, the northern row first, each row from
-/// west to east.
+/// Size and position of a grid of samples at equal steps of latitude and longitude. The northern row is first; rows
+/// run from west to east.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Georeference {
     /// Samples of a row, 1…[`MAX_SIDE`].
     pub columns: u32,
     /// Rows, 1…[`MAX_SIDE`].
     pub rows: u32,
-    /// What a sample stands for.
+    /// Meaning of a sample.
     pub registration: Registration,
     /// Geodetic latitude of the northern row, radians.
     pub north_rad: f64,
-    /// From a row to the next towards the south, radians, positive.
+    /// Step from a row to the next towards the south, radians, positive.
     pub lat_step_rad: f64,
-    /// Longitude of the western column, radians, any turn.
+    /// Longitude of the western column, radians; any multiple of 2π may be added.
     pub west_rad: f64,
-    /// From a column to the next towards the east, radians, positive.
+    /// Step from a column to the next towards the east, radians, positive.
     pub lon_step_rad: f64,
 }
 
 impl Georeference {
-    /// A grid that fills the bounds: with cells up to their edges, or with posts on them.
+    /// A grid that fills the bounds: cells reach their edges, posts are on them.
     ///
     /// # Errors
-    /// As [`HeightGrid::new`](super::HeightGrid::new), and where fewer than 2 posts are given along a side.
+    /// As [`HeightGrid::new`](super::HeightGrid::new), and for fewer than 2 posts along a side.
     pub fn from_bounds(
         registration: Registration,
         bounds: &Bounds,
@@ -73,7 +73,7 @@ impl Georeference {
         Ok(georeference)
     }
 
-    /// What the grid covers.
+    /// The bounds that the grid covers.
     pub fn bounds(&self) -> Bounds {
         let half = match self.registration {
             Registration::Cells => 0.5,
@@ -88,7 +88,8 @@ impl Georeference {
         }
     }
 
-    /// The lattice of its samples: checked, and moved by at most [`SNAP`] spacings where it all but meets a pole or itself behind a full turn.
+    /// The checked lattice of the samples. It moves by at most [`SNAP`] spacings where the grid almost reaches a pole or its own start after
+    /// 360°.
     pub(in crate::elevation) fn lattice(&self) -> Result<SampleLattice, GridError> {
         let Self { columns, rows, .. } = *self;
         let sides = 1..=MAX_SIDE;
@@ -103,7 +104,7 @@ impl Georeference {
         if !(is_finite && lat_step > 0.0 && lon_step > 0.0) {
             return fault("its steps are not positive or its corner is not a number");
         }
-        // A micrometre of ground: below it neighbours are the same place to f64.
+        // A micrometre of ground: below it f64 cannot separate neighbours.
         if lat_step.min(lon_step) < 1e-13 || self.west_rad.abs() > 1e3 {
             return fault("its steps or its corner are beyond all measure");
         }
@@ -141,7 +142,7 @@ impl Georeference {
         } else {
             lon_step
         };
-        // Between a pole and a row closer than a step lies nothing but that row.
+        // A row less than a step from a pole extends to the pole.
         let reaches = |row: f64| is_periodic && FRAC_PI_2 - row < lat_step * (1.0 + 1e-9);
         Ok(SampleLattice {
             columns: columns_used as usize,
@@ -161,10 +162,10 @@ impl Georeference {
     }
 }
 
-/// Where samples lie, of a georeference that has been checked.
+/// Positions of the samples of a checked georeference.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::elevation) struct SampleLattice {
-    /// Columns that are kept: one that repeats the first is not.
+    /// Number of stored columns, without one that repeats the first.
     pub columns: usize,
     pub rows: usize,
     pub registration: Registration,
@@ -172,18 +173,18 @@ pub(in crate::elevation) struct SampleLattice {
     pub lat_step_rad: f64,
     pub west_rad: f64,
     pub lon_step_rad: f64,
-    /// East of the last column follows the first.
+    /// Whether the first column follows the last to the east.
     pub is_periodic: bool,
     pub reaches_north: bool,
     pub reaches_south: bool,
-    /// Inverses of the steps, and the longitude half-way between the outermost columns.
+    /// Inverses of the steps, and the longitude midway between the outermost columns.
     rows_per_rad: f64,
     columns_per_rad: f64,
     middle_rad: f64,
 }
 
 impl SampleLattice {
-    /// Row and column of a place as real numbers, 0 at the centre of the first sample. Where the grid is not periodic,
+    /// Row and column of a place as real numbers, 0 at the centre of the first sample. In a grid that is not periodic,
     /// columns are counted from the nearer side.
     #[inline]
     pub(in crate::elevation) fn locate(&self, lat_rad: f64, lon_rad: f64) -> (f64, f64) {
@@ -203,7 +204,7 @@ impl SampleLattice {
         }
     }
 
-    /// Rows of the poles, real numbers as those of [`Self::locate`].
+    /// Rows of the poles, as real numbers like those of [`Self::locate`].
     pub(in crate::elevation) fn pole_rows(&self) -> (f64, f64) {
         (
             (self.north_rad - FRAC_PI_2) / self.lat_step_rad,
@@ -211,7 +212,7 @@ impl SampleLattice {
         )
     }
 
-    /// Whether a row is an outermost one and lies on a pole.
+    /// Whether a row is outermost and at a pole.
     pub(in crate::elevation) fn is_pole(&self, row: usize) -> bool {
         let (north, south) = self.pole_rows();
         let on_pole = |pole: f64| (row as f64 - pole).abs() < 1e-9;
@@ -224,7 +225,7 @@ impl SampleLattice {
         self.north_rad - row * self.lat_step_rad
     }
 
-    /// The cosine of the covered latitude that is nearest to the equator.
+    /// The cosine of the covered latitude nearest to the equator.
     pub(in crate::elevation) fn widest_cos(&self) -> f64 {
         let south = self.latitude_rad((self.rows - 1) as f64);
         if self.north_rad >= 0.0 && south <= 0.0 {
@@ -234,7 +235,7 @@ impl SampleLattice {
         }
     }
 
-    /// Half a cell beyond the outermost samples, or nothing.
+    /// Half a cell beyond the outermost samples, or 0.
     pub(in crate::elevation) fn margin(&self) -> f64 {
         match self.registration {
             Registration::Cells => 0.5,

@@ -1,14 +1,14 @@
-//! Samples without data: what they are given, and how far that is believed.
+//! Fills samples without data, and rates their confidence.
 
 use super::levels::LevelShape;
 
-/// A hole up to so many samples from the nearest datum is filled from the coarser levels alone.
+/// A hole up to this many samples from the nearest datum is filled from the coarser levels alone.
 pub(in crate::elevation) const FILLED: u8 = 4;
 
-/// From so many samples on, what lies beneath the grid is taken instead.
+/// From this many samples on, the source beneath the grid applies instead.
 pub(in crate::elevation) const LEFT: u8 = 9;
 
-/// Gives every sample of a level that is not a number the value of the next coarser level at its place.
+/// Replaces every NaN sample of a level by the value of the next coarser level at its place.
 pub(super) fn fill(shape: &LevelShape, values: &mut [f32], coarse: &LevelShape, coarser: &[f32]) {
     for (row, values) in values.chunks_exact_mut(shape.columns).enumerate() {
         fill_row(
@@ -22,7 +22,7 @@ pub(super) fn fill(shape: &LevelShape, values: &mut [f32], coarse: &LevelShape, 
     }
 }
 
-/// The same for some columns of one row; `coarser` gives the next coarser level's sample of a row and column.
+/// Fills some columns of one row; `coarser` returns the next coarser level's sample at a row and column.
 pub(in crate::elevation) fn fill_row(
     shape: &LevelShape,
     row: usize,
@@ -31,7 +31,7 @@ pub(in crate::elevation) fn fill_row(
     coarse: &LevelShape,
     coarser: impl Fn(usize, usize) -> f64,
 ) {
-    // Poles have no values yet: towards them the outermost row stays.
+    // Poles have no values yet: beyond the outermost row its value applies.
     let coarse = LevelShape {
         north_pole: None,
         south_pole: None,
@@ -50,8 +50,8 @@ pub(in crate::elevation) fn fill_row(
     }
 }
 
-/// How far each sample is believed, 0…255 for 0…1: as data up to [`FILLED`] samples from a datum, then less up to
-/// [`LEFT`]. Diagonal neighbours count as neighbours. `None` if all is believed.
+/// Confidence of each sample, 0…255 for 0…1: full up to [`FILLED`] samples from a datum, then decreasing up to
+/// [`LEFT`]. Diagonal neighbours count as neighbours. `None` if all samples have full confidence.
 pub(super) fn coverage(shape: &LevelShape, is_hole: &[bool]) -> Option<Vec<u8>> {
     let mut steps = steps_to_data(shape.columns, shape.is_periodic, is_hole);
     if steps.iter().all(|steps| *steps <= FILLED) {
@@ -63,14 +63,14 @@ pub(super) fn coverage(shape: &LevelShape, is_hole: &[bool]) -> Option<Vec<u8>> 
     Some(steps)
 }
 
-/// How far a sample is believed that lies so many steps from a datum, 0…255 for 0…1.
+/// Confidence of a sample this many steps from a datum, 0…255 for 0…1.
 pub(in crate::elevation) fn believed(steps: u8) -> u8 {
     let part = f64::from(LEFT.saturating_sub(steps)) / f64::from(LEFT - FILLED);
     (255.0 * part.min(1.0)).round() as u8
 }
 
-/// Steps from each sample of rows to the nearest datum, [`LEFT`] at most. What lies farther than that from a sample does not
-/// matter to it.
+/// Steps from each sample of rows to the nearest datum, at most [`LEFT`]. Data farther than that from a sample do not affect
+/// it.
 pub(in crate::elevation) fn steps_to_data(
     columns: usize,
     is_periodic: bool,
@@ -81,8 +81,8 @@ pub(in crate::elevation) fn steps_to_data(
         .iter()
         .map(|hole| if *hole { LEFT } else { 0 })
         .collect();
-    // Steps to the nearest datum, counted on from the neighbours seen before: rows downwards, then upwards. In a row
-    // that closes on itself two rounds see all.
+    // Steps to the nearest datum, propagated from visited neighbours: rows downwards, then upwards. A periodic row
+    // needs two rounds.
     let wrap = |column: isize| -> Option<usize> {
         if is_periodic {
             Some(column.rem_euclid(columns as isize) as usize)

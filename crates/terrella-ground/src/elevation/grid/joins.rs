@@ -1,22 +1,21 @@
-//! Where the border of a grid is no border of the heights: another grid of like spacing goes on there.
+//! Where another grid of similar spacing continues a grid beyond its border.
 //!
-//! A grid is feathered along its border into what lies beneath. Where a neighbour touches it, both would fade into the sea along
-//! their seam. So the feather is measured from the open stretches of the border alone, those that no neighbour covers:
-//!
+//! A grid is feathered along its border into the source beneath. If a neighbour touches it, both would fade into the sea along their seam. The
+//! feather is therefore measured from the open stretches of the border, which no neighbour covers:
 //! ```text
 //!   weight = s(d_x) s(d_y),   d = the distance to the nearest open stretch, in widths of the feather
 //! ```
 //!
-//! with s smooth from 0 to 1. On a border without a neighbour that is the distance to the border. Grids that join have one width of
-//! feather, so that weights go on from one to the other.
+//! with s smooth from 0 to 1. On a border without a neighbour, d is the distance to the border. Joined grids have the same feather
+//! width, so that weights continue from one to the other.
 
 use super::placement::{Placement, smooth};
 use crate::elevation::{Bounds, PlacedBounds};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Spacings that differ by more than this factor are not alike: the finer grid goes over into the coarser one.
+/// Spacings within this factor are similar. Otherwise the finer grid blends into the coarser one.
 const LIKE: f64 = 2.0;
-/// How far two grids may be apart to touch, in samples of the coarser: the outermost posts of tiles that share none.
+/// Largest gap between touching grids, in samples of the coarser: the outermost posts of tiles that share none.
 const TOUCH: f64 = 1.01;
 
 const WEST: usize = 0;
@@ -24,22 +23,23 @@ const EAST: usize = 1;
 const NORTH: usize = 2;
 const SOUTH: usize = 3;
 
-/// What joins a grid to others.
+/// Connections of a grid with other grids.
 #[derive(Clone, Debug, Default)]
 pub struct Joins(Option<Box<Joined>>);
 
 #[derive(Clone, Debug)]
 struct Joined {
-    /// Stretches of the western, eastern, northern and southern border without a neighbour: rows, or columns.
+    /// Stretches of the western, eastern, northern and southern border without a neighbour, in rows or
+    /// columns.
     open: [Vec<(f64, f64)>; 4],
-    /// How far the grid is taken beyond a border with a neighbour, samples: half of what lies between them.
+    /// How far the grid extends beyond a border with a neighbour, samples: half of the gap.
     reach: [Option<f64>; 4],
-    /// What a row and a column inwards add to the weight, before smoothing.
+    /// Increase of the weight per row and per column inwards, before smoothing.
     ramps: (f64, f64),
 }
 
 impl Joins {
-    /// Of grids over one another, the uppermost first.
+    /// Joins of stacked grids, the uppermost first.
     pub fn of(grids: &[&Placement]) -> Vec<Self> {
         let mut all: Vec<Joined> = grids.iter().map(|grid| Joined::alone(grid)).collect();
         let placed = PlacedBounds::new(grids.iter().map(|grid| grid.bounds));
@@ -55,7 +55,7 @@ impl Joins {
         }
         for joined in &mut all {
             for open in &mut joined.open {
-                // Between two neighbours that touch.
+                // Removes gaps between two neighbours that touch.
                 open.retain(|(from, to)| to - from > 2.0 * TOUCH);
             }
         }
@@ -66,7 +66,7 @@ impl Joins {
             .collect()
     }
 
-    /// The part of the weight of a row and column that the border takes, 0…1.
+    /// The border's factor of the weight at a row and column, 0…1.
     #[inline]
     pub(in crate::elevation) fn inside(&self, place: &Placement, row: f64, column: f64) -> f64 {
         match &self.0 {
@@ -77,11 +77,11 @@ impl Joins {
 }
 
 impl Placement {
-    /// What lies so near that a grid of like spacing touches: its bounds and a little more than a sample of such a grid. Beyond that no
-    /// place takes a height of this grid.
+    /// Bounds within which a grid of similar spacing touches: this grid's bounds plus a little more than a sample of such a grid. This
+    /// grid gives no heights beyond them.
     pub fn reach(&self) -> Bounds {
         let more = |step_rad: f64| 2.0 * LIKE * TOUCH * step_rad;
-        // Steps along parallels may differ more than those on the ground.
+        // Steps along parallels may differ more than steps on the ground.
         let (tall, wide) = (
             more(self.lattice.lat_step_rad),
             4.0 * more(self.lattice.lon_step_rad),
@@ -100,9 +100,9 @@ fn is_like(a: &Placement, b: &Placement) -> bool {
     (1.0 / LIKE..=LIKE).contains(&ratio)
 }
 
-/// Grids that join have the narrowest feather of all of them.
+/// Gives joined grids the narrowest feather among them.
 fn share_widths(grids: &[&Placement], pairs: &[(usize, usize)], all: &mut [Joined]) {
-    // A width goes one grid on in each round.
+    // Each round propagates a width by one grid.
     for _ in 0..grids.len() {
         let mut is_done = true;
         for &(n, m) in pairs {
@@ -112,7 +112,7 @@ fn share_widths(grids: &[&Placement], pairs: &[(usize, usize)], all: &mut [Joine
                     grids[at].lattice.lon_step_rad,
                 )
             };
-            // Weight a radian.
+            // Weight per radian.
             let of = |at: usize| (all[at].ramps.0 / steps(at).0, all[at].ramps.1 / steps(at).1);
             let (one, two) = (of(n), of(m));
             let steepest = (one.0.max(two.0), one.1.max(two.1));
@@ -150,7 +150,7 @@ impl Joined {
         }
     }
 
-    /// Takes the stretches off that a neighbour covers. Whether there is any.
+    /// Removes the stretches that a neighbour covers. Returns whether there are any.
     fn join(&mut self, place: &Placement, other: &Placement, is_above: bool) -> bool {
         let lattice = &place.lattice;
         let (own, its) = (&place.bounds, &other.bounds);
@@ -182,7 +182,7 @@ impl Joined {
             let Some(overlap) = overlap.filter(|overlap| *overlap >= -near) else {
                 continue;
             };
-            // The upper grid goes over into the lower one, where that reaches far enough beneath it.
+            // The upper grid blends into the lower one where that extends far enough beneath it.
             if is_above && overlap >= width {
                 continue;
             }
@@ -197,7 +197,7 @@ impl Joined {
             }
             if *open != before {
                 joins = true;
-                // On the seam itself the upper grid answers alone.
+                // On the seam itself only the upper grid counts.
                 let rounding = if is_above { 1e-6 } else { -5e-7 };
                 let gap = 0.5 * (-overlap).max(0.0) / step + rounding;
                 self.reach[side] = Some(self.reach[side].map_or(gap, |reach| reach.max(gap)));
@@ -210,7 +210,7 @@ impl Joined {
         let lattice = &place.lattice;
         let margin = lattice.margin();
         let (last_row, last_column) = ((lattice.rows - 1) as f64, (lattice.columns - 1) as f64);
-        // From each border inwards, samples.
+        // Depths from each border inwards, samples.
         let depths = [
             column + margin,
             last_column + margin - column,
@@ -238,7 +238,7 @@ impl Joined {
             };
             for (from, to) in &self.open[side] {
                 let beside = (from - along).max(along - to).max(0.0);
-                // Beyond its border a grid is taken only beside a neighbour.
+                // Beyond its border a grid counts only beside a neighbour.
                 if beside <= 0.0 && depth <= 0.0 {
                     return 0.0;
                 }
@@ -251,13 +251,13 @@ impl Joined {
     }
 }
 
-/// How far a neighbour that goes on beyond the western or eastern border of a grid reaches back inside it, radians; below 0 over a gap.
+/// How far a neighbour that continues a grid beyond its western or eastern border reaches inside it, radians. Negative for a gap.
 fn overlap_along_parallel(own: &Bounds, its: &Bounds, side: usize, near: f64) -> Option<f64> {
     if its.width_rad >= TAU - 1e-9 {
         return Some(f64::INFINITY);
     }
     let inside = match side {
-        // From its far side to a place just beyond the border.
+        // From the neighbour's far side to a place just beyond the border.
         WEST => (its.west_rad + its.width_rad) - (own.west_rad - near),
         _ => own.west_rad + own.width_rad + near - its.west_rad,
     };
@@ -265,7 +265,7 @@ fn overlap_along_parallel(own: &Bounds, its: &Bounds, side: usize, near: f64) ->
     (inside <= its.width_rad).then_some(inside - near)
 }
 
-/// The same of the northern or southern border.
+/// The same for the northern or southern border.
 fn overlap_along_meridian(own: &Bounds, its: &Bounds, side: usize, near: f64) -> Option<f64> {
     match side {
         NORTH => {
@@ -286,7 +286,7 @@ fn rows_of(place: &Placement, its: &Bounds) -> Vec<(f64, f64)> {
     vec![(row(its.north_rad), row(its.south_rad))]
 }
 
-/// Columns of a grid's border that a neighbour covers, in whichever turn.
+/// Columns of a grid's border that a neighbour covers, modulo 360°.
 fn columns_of(place: &Placement, its: &Bounds) -> Vec<(f64, f64)> {
     let lattice = &place.lattice;
     let first = (its.west_rad - lattice.west_rad).rem_euclid(TAU);
@@ -301,7 +301,7 @@ fn columns_of(place: &Placement, its: &Bounds) -> Vec<(f64, f64)> {
         .to_vec()
 }
 
-/// What is left of a stretch without another.
+/// The parts of a stretch outside another.
 fn without((from, to): (f64, f64), (begin, end): (f64, f64)) -> impl Iterator<Item = (f64, f64)> {
     let left = [(from, to.min(begin)), (from.max(end), to)];
     left.into_iter().filter(|(from, to)| from < to)

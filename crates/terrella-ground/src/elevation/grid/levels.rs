@@ -3,16 +3,17 @@
 use super::georeference::SampleLattice;
 use crate::elevation::floor::floor;
 
-/// Size of a level and how rows and columns of the finest level become its own.
+/// Size of a level, and the mapping from rows and columns of the finest level.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::elevation) struct LevelShape {
     pub columns: usize,
     pub rows: usize,
-    /// Its samples to one of the finest level, along a row and along a column.
+    /// Samples of this level per sample of the finest, along a row and along a column.
     pub column_ratio: f64,
     pub row_ratio: f64,
     pub is_periodic: bool,
-    /// Its rows of the poles, where the grid reaches them: at most 0, and at least the last row.
+    /// Rows of the poles in this level, where the grid reaches them: at most 0, and at least the
+    /// last row.
     pub north_pole: Option<f64>,
     pub south_pole: Option<f64>,
 }
@@ -39,7 +40,7 @@ impl LevelShape {
         self.columns * self.rows
     }
 
-    /// Row and column in this level, from those in the finest.
+    /// Row and column in this level for those of the finest.
     #[inline]
     pub(in crate::elevation) fn own(&self, row: f64, column: f64) -> (f64, f64) {
         (
@@ -48,9 +49,8 @@ impl LevelShape {
         )
     }
 
-    /// Bilinear interpolation at a row and column of the finest level. Beyond the outermost samples their value stays,
-    /// except that towards a pole the outermost row goes over into the pole's value (`poles`, north first). `at` gives the sample of a row
-    /// and column.
+    /// Bilinear interpolation at a row and column of the finest level. Beyond the outermost samples their value applies. Towards a pole
+    /// the outermost row blends into the pole's value (`poles`, north first). `at` returns the sample of a row and column.
     #[inline]
     pub(in crate::elevation) fn interpolate(
         &self,
@@ -72,7 +72,7 @@ impl LevelShape {
                 None => in_row(0),
             };
         }
-        // A row that is no number must not be looked up.
+        // A NaN row must not be used as an index.
         if row >= last || row.is_nan() {
             return match self.south_pole {
                 Some(pole) => to_pole(
@@ -88,14 +88,14 @@ impl LevelShape {
         value + (row - north as f64) * (in_row(north + 1) - value)
     }
 
-    /// The columns on both sides of a place and how far it is from the first to the second.
+    /// The columns on both sides of a place, and its fraction from the first to the second.
     #[inline]
     fn neighbours(&self, column: f64) -> (usize, usize, f64) {
         let last = self.columns - 1;
         if self.is_periodic {
             let whole = floor(column);
             let along = column - whole;
-            // −1…columns: half a sample beyond either side, and rounding.
+            // −1…columns: half a sample beyond either side, with rounding.
             let west = match whole as isize {
                 ..0 => last,
                 west if west as usize > last => 0,
@@ -110,10 +110,10 @@ impl LevelShape {
     }
 }
 
-/// From a row's value to its pole's; the row may be the pole's own.
+/// Blends a row's value into the pole's; the row may be at the pole.
 #[inline]
 fn to_pole(row: f64, pole: f64, part: f64) -> f64 {
-    // 0/0 where the row lies on the pole: all its samples are then the pole's.
+    // 0/0 where the row is at the pole: all its samples then equal the pole's value.
     let part = if part.is_nan() {
         1.0
     } else {
@@ -122,9 +122,9 @@ fn to_pole(row: f64, pole: f64, part: f64) -> f64 {
     row + part * (pole - row)
 }
 
-/// Sizes of all levels, the finest first. Level k has samples about 2^k of the finest spacings apart on the ground: each
-/// side is divided by the power of two that comes nearest to that, so that the other spacing differs by √2 at most. What
-/// cannot be divided is cut into parts that are a little smaller.
+/// Sizes of all levels, the finest first. Samples of level k are about 2^k of the finest spacings apart on the ground.
+/// Each side is divided by the nearest power of two, so the other spacing differs by √2 at most. A side that does not
+/// divide evenly gets slightly smaller parts.
 pub(in crate::elevation) fn shapes(lattice: &SampleLattice) -> Vec<LevelShape> {
     let step = (
         lattice.lat_step_rad,
@@ -147,10 +147,10 @@ pub(in crate::elevation) fn shapes(lattice: &SampleLattice) -> Vec<LevelShape> {
     shapes
 }
 
-/// The samples of a side that a coarser sample spans: number of the first, and how much of each lies in it.
+/// The samples of a side within a coarser sample: index of the first, and the fraction of each inside.
 pub(in crate::elevation) type Span = (usize, Vec<f64>);
 
-/// Of each coarser sample of a side.
+/// The spans of all coarser samples of a side.
 pub(in crate::elevation) fn spans(
     fine: usize,
     coarse: usize,
@@ -158,7 +158,7 @@ pub(in crate::elevation) fn spans(
     let ratio = fine as f64 / coarse as f64;
     (0..coarse).map(move |n| {
         let (start, end) = (n as f64 * ratio, (n + 1) as f64 * ratio);
-        // Rounding must neither lose a sample nor reach one that is not there.
+        // Rounding must neither drop a sample nor add one outside the range.
         let first = ((start + 1e-9).floor() as usize).min(fine - 1);
         let last = (((end - 1e-9).ceil() as usize).max(first + 1)).min(fine);
         let part = |i: usize| (end.min((i + 1) as f64) - start.max(i as f64)).max(1e-9);
@@ -171,7 +171,7 @@ pub(super) fn ranges(fine: usize, coarse: usize) -> impl Iterator<Item = (usize,
     spans(fine, coarse).map(|(first, parts)| (first, first + parts.len()))
 }
 
-/// Means of rows of a level: rows of the next coarser one.
+/// Averages rows of a level into rows of the next coarser one.
 pub(in crate::elevation) struct Averager<'a> {
     lattice: &'a SampleLattice,
     fine: &'a LevelShape,
@@ -189,7 +189,7 @@ impl<'a> Averager<'a> {
         }
     }
 
-    /// Appends a coarser row to `out`: means by area on the ground, of what is a number. `values` are the rows that it spans, one after another.
+    /// Appends a coarser row to `out`: area-weighted means on the ground, without NaN samples. `values` holds the rows of the span in sequence.
     pub fn row(&mut self, (first, parts): &Span, values: &[f32], out: &mut Vec<f32>) {
         self.sums.fill((0.0, 0.0));
         let rows = values.chunks_exact(self.fine.columns);
@@ -210,13 +210,13 @@ impl<'a> Averager<'a> {
                 sum += part * of.0;
                 weights += part * of.1;
             }
-            // 0/0 where nothing is known.
+            // 0/0 without any data.
             (sum / weights) as f32
         }));
     }
 }
 
-/// The next coarser level.
+/// Computes the next coarser level.
 pub(super) fn average(
     lattice: &SampleLattice,
     fine: &LevelShape,
@@ -232,8 +232,8 @@ pub(super) fn average(
     out
 }
 
-/// Averages each row along itself over as much ground as the columns are apart in the row nearest to the equator. Towards
-/// the poles they draw together: without this a coarse level would be coarse in one direction only.
+/// Averages each row along itself over the ground distance between columns in the row nearest to the equator. Columns
+/// converge towards the poles; without this a coarse level would be coarse in one direction only.
 pub(super) fn even_out(lattice: &SampleLattice, shape: &LevelShape, values: &mut [f32]) {
     let widest_cos = lattice.widest_cos();
     let columns = shape.columns;
@@ -252,7 +252,8 @@ pub(super) fn even_out(lattice: &SampleLattice, shape: &LevelShape, values: &mut
             sum += f64::from(*value);
             sums.push(sum);
         }
-        // The sum of all from column 0 to a real column, beyond the row's ends in its repetitions or not at all.
+        // The sum from column 0 to a fractional column. Beyond the ends of the row, it repeats in a periodic row
+        // and is constant otherwise.
         let upto = |end: f64| -> f64 {
             let (turns, end) = if shape.is_periodic {
                 let turns = (end / columns as f64).floor();

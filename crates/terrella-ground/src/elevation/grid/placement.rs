@@ -1,11 +1,11 @@
-//! Where a grid lies, and how it goes over into what lies beneath.
+//! Placement of a grid, and its transition to the source beneath.
 
 use super::georeference::SampleLattice;
 use super::{FEATHER_SAMPLES, Georeference, GridError};
 use crate::elevation::Bounds;
 use std::f64::consts::{PI, TAU};
 
-/// Place, spacing and feathered border of a grid, whatever holds its heights.
+/// Position, spacing and feathered border of a grid, independent of its heights.
 #[derive(Clone, Debug)]
 pub struct Placement {
     pub(in crate::elevation) lattice: SampleLattice,
@@ -13,11 +13,11 @@ pub struct Placement {
     pub bounds: Bounds,
     /// Angle between neighbouring samples, radians: along a column or along the row nearest to the equator, whichever is less.
     pub finest_rad: f64,
-    /// What a row and a column from the border inwards add to the weight, before smoothing.
+    /// Increase of the weight per row and per column inwards, before smoothing.
     pub(super) ramps: (f64, f64),
 }
 
-/// From 0 to 1, level at both ends.
+/// Smooth step from 0 to 1 with zero slope at both ends.
 #[inline]
 pub(super) fn smooth(part: f64) -> f64 {
     let part = part.clamp(0.0, 1.0);
@@ -25,7 +25,7 @@ pub(super) fn smooth(part: f64) -> f64 {
 }
 
 impl Placement {
-    /// The place that a georeference says.
+    /// The placement of a georeference.
     ///
     /// # Errors
     /// A georeference that places no samples.
@@ -45,7 +45,7 @@ impl Placement {
         })
     }
 
-    /// The part of the weight of a row and column that the border takes, 0…1.
+    /// The border's factor of the weight at a row and column, 0…1.
     #[inline]
     pub(in crate::elevation) fn inside(&self, row: f64, column: f64) -> f64 {
         let SampleLattice {
@@ -85,7 +85,7 @@ impl Placement {
         (self.lattice.columns as u32, self.lattice.rows as u32)
     }
 
-    /// From the first to the last sample each way.
+    /// Bounds from the first to the last sample each way.
     pub fn sample_bounds(&self) -> Bounds {
         let lattice = &self.lattice;
         let tall_rad = (lattice.rows - 1) as f64 * lattice.lat_step_rad;
@@ -97,8 +97,9 @@ impl Placement {
         }
     }
 
-    /// Angle over which what the grid makes of the ground varies, inside it, radians: [`Self::finest_rad`], but of a `uniform` grid, of one
-    /// height without holes that are left, the width of its feathered border, and infinite where that is of the whole Earth.
+    /// Angle over which the grid's contribution varies, inside it, radians. This is [`Self::finest_rad`] except for a `uniform` grid: one
+    /// height, without unfilled holes. For that grid it is the width of the feathered border, or infinite if the grid covers the whole
+    /// Earth.
     pub fn detail_rad(&self, uniform: bool) -> f64 {
         if !uniform {
             return self.finest_rad;

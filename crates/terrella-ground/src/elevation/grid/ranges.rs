@@ -1,4 +1,4 @@
-//! Lowest and highest heights of parts of a grid: a pyramid beside that of averages.
+//! Lowest and highest heights of parts of a grid: a pyramid parallel to that of averages.
 
 use super::georeference::SampleLattice;
 use super::levels::{LevelShape, ranges};
@@ -6,30 +6,30 @@ use super::{HeightGrid, Level};
 use crate::elevation::HeightRange;
 use crate::elevation::samples::HeightSamples;
 
-/// Rounding in interpolation, metres: a thousand times more than f64 loses at 10 km.
+/// Tolerance for rounding in interpolation, metres: a thousand times the rounding of f64 at 10 km.
 const ROUNDING_M: f64 = 1e-6;
 
-/// Cells that a side of asked bounds may span in the level that is looked up.
+/// Maximum cells along a side of the requested bounds in the level used.
 const CELLS: f64 = 4.0;
 
-/// Rows and columns of samples of one flag for left holes.
+/// Side of the block of samples that shares one flag for unfilled holes.
 const FLAG_SIDE: usize = 16;
 
-/// Most flags looked at; more count as one that is set.
+/// Maximum number of flags checked; more count as set.
 const MAX_FLAGS: usize = 4096;
 
-/// Per level above the finest, for each of its cells: lowest and highest of the samples in it, of its own mean and of
-/// those of all levels between.
+/// For each cell of the levels above the finest: lowest and highest of its samples and of its own mean. The means of
+/// all levels between also count.
 enum Cells {
     F32(Vec<Vec<[f32; 2]>>),
     /// In steps of the stored heights, rounded outwards.
     I16(Vec<Vec<[i16; 2]>>, f64, f64),
 }
 
-/// The pyramid of ranges, and where holes are left to the source beneath.
+/// The pyramid of ranges, and the flags of unfilled holes.
 pub(super) struct Ranges {
     cells: Cells,
-    /// One flag for [`FLAG_SIDE`]² samples: not all of them are wholly believed.
+    /// One flag per [`FLAG_SIDE`]² samples: whether some lack full confidence.
     left: Vec<bool>,
     left_columns: usize,
 }
@@ -58,7 +58,7 @@ impl Ranges {
             } => {
                 let mean = |mean: f32| {
                     let steps = (f64::from(mean) - offset_m) / scale_m;
-                    // Means lie between the samples; rounding is far below `ROUNDING_M`.
+                    // Means are between the samples; rounding is far below `ROUNDING_M`.
                     [steps.floor() as i16, steps.ceil() as i16]
                 };
                 Cells::I16(
@@ -93,7 +93,8 @@ impl Ranges {
         }
     }
 
-    /// Range of all that the grid answers between these rows and columns of the finest level, up to a level.
+    /// Range of all heights that the grid returns between these rows and columns of the finest level, up to
+    /// a level.
     pub(super) fn over(
         &self,
         grid: &HeightGrid,
@@ -123,11 +124,12 @@ impl Ranges {
             if shape.south_pole.is_some() && south > (shape.rows - 1) as f64 {
                 add([level.poles_m[1]; 2]);
             }
-            // Of finer levels the cells looked up know.
+            // The cells already checked cover the finer levels.
             if number < looked_up {
                 continue;
             }
-            // Samples within one of the place count in interpolation; of finer levels also cells that lie half beyond.
+            // Interpolation uses samples within one of the place. For finer levels, cells half a cell beyond also
+            // count.
             let more = if number == looked_up && number > 0 {
                 1.0
             } else {
@@ -154,7 +156,7 @@ impl Ranges {
         }
     }
 
-    /// Whether some place between these rows and columns may be left to the source beneath.
+    /// Whether a place between these rows and columns may use the source beneath.
     pub(super) fn has_left_hole(
         &self,
         lattice: &SampleLattice,
@@ -183,7 +185,7 @@ impl Ranges {
             } else {
                 inside(column, lattice.columns)
             } / FLAG_SIDE;
-            // The strip after the last column of a row that goes round may be a narrow one.
+            // The block after the last column of a periodic row may be narrow.
             (first_row..=last_row).any(|row| {
                 let at = |column: usize| self.left[row * self.left_columns + column];
                 at(column) || lattice.is_periodic && at((column + 1) % self.left_columns)
@@ -192,7 +194,7 @@ impl Ranges {
     }
 }
 
-/// The nearest of so many rows or columns.
+/// The nearest valid index of a row or column.
 fn inside(n: f64, count: usize) -> usize {
     // Negative numbers saturate at 0.
     (n as usize).min(count - 1)

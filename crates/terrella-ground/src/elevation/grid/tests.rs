@@ -34,7 +34,7 @@ fn grid_of(
     HeightGrid::new(&place, heights, &GridLimits::default()).unwrap()
 }
 
-/// Heights without any order, the same for the same place, −11 000…9 000 m.
+/// Noise that depends only on the place, −11 000…9 000 m.
 fn noise(lat: f64, lon: f64) -> f64 {
     let mut bits = (lat * 1e5).round() as i64 as u64 ^ ((lon * 1e5).round() as i64 as u64) << 32;
     for _ in 0..3 {
@@ -46,7 +46,7 @@ fn noise(lat: f64, lon: f64) -> f64 {
 #[test]
 fn planes_are_exact_in_both_registrations_and_storages() {
     let bounds = degrees(-3.0, 4.0, 8.0, 5.0);
-    // Multiples of a metre on the posts of whole degrees, and not.
+    // On the posts of whole degrees: integer metres, and fractional ones.
     for (slope, tolerance) in [(100.0, 1e-9), (0.37, 1e-4)] {
         let plane = |lat: f64, lon: f64| slope * (2.0 * lat + 3.0 * lon).to_degrees();
         let posts = grid_of(Registration::Posts, &bounds, (6, 8), plane);
@@ -57,7 +57,7 @@ fn planes_are_exact_in_both_registrations_and_storages() {
         );
         for n in 0..1000 {
             let (u, v) = (f64::from(n) * 0.618 % 1.0, f64::from(n) / 1000.0);
-            // The outermost half cell has no samples on both sides.
+            // The outermost half cell has samples on one side only.
             let lat = (-2.7 + 6.4 * v).to_radians();
             let lon = (8.3 + 4.4 * u).to_radians();
             for grid in [&posts, &cells] {
@@ -65,7 +65,7 @@ fn planes_are_exact_in_both_registrations_and_storages() {
                 assert!(error < tolerance, "{error} at {lat} {lon}");
             }
         }
-        // Beyond the border the nearest sample stays; on the outermost posts themselves heights are theirs.
+        // Beyond the border the nearest sample applies; the outermost posts have their own heights.
         let corner = (bounds.north_rad, bounds.west_rad);
         let at = |lat, lon| posts.height_m(lat, lon, 0.0);
         assert!((at(corner.0, corner.1) - plane(corner.0, corner.1)).abs() < tolerance);
@@ -82,14 +82,14 @@ fn a_plane_stays_one_in_coarser_levels() {
     assert!((step.to_degrees() - 0.25).abs() < 0.01);
     for spacing in [0.0, 1.0, 2.0, 3.3, 8.0] {
         let error = grid.height_m(0.013, 0.49, spacing * step) - plane(0.013, 0.49);
-        // Rows away from the equator count a little less in means, and level 0 is of whole metres or not.
+        // Rows away from the equator count slightly less in means, and level 0 may hold integer metres.
         assert!(error.abs() < 2.0, "{error} at spacing {spacing}");
     }
 }
 
 #[test]
 fn an_average_is_over_the_spacing_asked_for() {
-    // Stripes of one sample are gone at twice their spacing, and half gone between.
+    // Stripes of one sample vanish at twice their spacing, and are half as strong in between.
     let bounds = degrees(-8.0, 8.0, 0.0, 16.0);
     let stripes = |_: f64, lon: f64| ((lon.to_degrees() * 4.0).floor() % 2.0) * 200.0;
     let grid = grid_of(Registration::Cells, &bounds, (64, 64), stripes);
@@ -100,7 +100,7 @@ fn an_average_is_over_the_spacing_asked_for() {
     assert_eq!(at(1.0), 0.0);
     assert!((at(1.5) - 50.0).abs() < 0.1, "{}", at(1.5));
     assert!((at(2.0) - 100.0).abs() < 0.1);
-    // The mean of all, from some spacing on.
+    // Large spacings return the mean of all samples.
     assert!((at(1e9) - 100.0).abs() < 0.1);
     assert_eq!(at(f64::INFINITY), at(1e9));
     assert_eq!(at(f64::NAN), 0.0);
@@ -152,7 +152,7 @@ fn no_place_is_too_far() {
             assert!(grid.height_m(0.3, lon, 0.0).is_finite() && grid.weight(0.3, lon).is_finite());
         }
         for no_number in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-            // Any answer, but one.
+            // Any value is fine, but it must return.
             grid.height_m(no_number, 0.0, 0.1);
             grid.height_m(0.0, no_number, 0.1);
             grid.weight(no_number, no_number);

@@ -1,4 +1,4 @@
-//! ASCII grids of Esri (`.asc`): a header of keys and values, then heights as text, from the north-west.
+//! Esri ASCII grids (`.asc`): a header of keys and values, then heights as text, from the north-west.
 //!
 //! | key | meaning |
 //! |---|---|
@@ -17,7 +17,7 @@ use crate::elevation::{GridError, MAX_SIDE, Registration};
 use std::io::{BufRead, Read, Seek, SeekFrom};
 use terrella_files::excerpt;
 
-/// Most lines of a header, longest of them, and longest number, bytes.
+/// Maximum header lines, length of a line, and length of a number, bytes.
 const HEADER_LINES: usize = 32;
 const LINE_BYTES: u64 = 256;
 const WORD_BYTES: usize = 64;
@@ -36,20 +36,20 @@ const KEYS: [&str; 11] = [
     "nodata",
 ];
 
-/// What editors write before text in UTF-8.
+/// Byte order mark that editors write before UTF-8 text.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
-/// A file whose header has been read.
+/// A file with a parsed header.
 pub(super) struct Ascii<R: BufRead + Seek> {
     reader: R,
     columns: usize,
     rows: usize,
-    /// Where the numbers begin: byte, and line from 1.
+    /// Start of the numbers: byte, and line from 1.
     start: u64,
     first_line: usize,
 }
 
-/// Whether a file that begins so is one.
+/// Whether a file with these first bytes is an ASCII grid.
 pub(super) fn begins(bytes: &[u8]) -> bool {
     let text = String::from_utf8_lossy(bytes);
     let text = text.trim_start_matches(BYTE_ORDER_MARK);
@@ -88,7 +88,7 @@ impl<R: BufRead + Seek> Ascii<R> {
                 )
             })
         };
-        // `as` saturates and takes no number to 0.
+        // `as` saturates, and NaN becomes 0.
         let (columns, rows) = (needed("ncols")? as u32, needed("nrows")? as u32);
         let sides = 1..=MAX_SIDE;
         if !sides.contains(&columns) || !sides.contains(&rows) {
@@ -134,12 +134,12 @@ impl<R: BufRead + Seek> Ascii<R> {
         Ok((ascii, header))
     }
 
-    /// Bytes that reading holds at most: a row as metres.
+    /// Peak memory of reading, bytes: a row as metres.
     pub fn working_bytes(&self) -> u64 {
         self.columns as u64 * 4 + (1 << 16)
     }
 
-    /// Hands over all rows.
+    /// Passes on all rows.
     pub fn read<E: From<HeightFileError>>(
         &mut self,
         context: &FileContext,
@@ -225,7 +225,7 @@ fn not_a_number(line: usize, word: &str, context: &FileContext) -> HeightFileErr
     )
 }
 
-/// Words of a text one by one, whatever lines they stand in.
+/// Words of a text in sequence, across line breaks.
 struct Words<'a, R> {
     reader: &'a mut R,
     line: usize,

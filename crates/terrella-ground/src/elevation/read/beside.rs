@@ -1,4 +1,4 @@
-//! What GDAL writes beside a file of heights: `NAME.tif.aux.xml` with what the format has no place for, and `NAME.tif.msk` with a mask.
+//! GDAL's files beside an elevation file: `NAME.tif.aux.xml` with extra metadata, and `NAME.tif.msk` with a mask.
 
 use super::error::FileContext;
 use super::sidecar::HeightUnit;
@@ -28,7 +28,7 @@ fn with_ending(path: &Path, ending: &str) -> PathBuf {
     name.into()
 }
 
-/// What the text beside a file says of one of its bands.
+/// Metadata of one band in the text beside a file.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct SaidBeside {
     no_data: Option<f64>,
@@ -38,7 +38,7 @@ pub(super) struct SaidBeside {
 }
 
 impl SaidBeside {
-    /// Of the text beside a file, if there is one; bands count from 1.
+    /// Reads the text beside a file, if present; bands count from 1.
     pub fn read(path: &Path, band: u16) -> Result<Self, HeightFileError> {
         let aux = aux_of(path);
         let context = FileContext::new(&aux);
@@ -84,7 +84,7 @@ impl SaidBeside {
 }
 
 impl Header {
-    /// Adds what the text beside the file says.
+    /// Adds the metadata of the text beside the file.
     pub(super) fn add(
         &mut self,
         said: &SaidBeside,
@@ -121,7 +121,7 @@ impl Header {
     }
 }
 
-/// A mask in a file of its own.
+/// A mask in a separate file.
 pub(super) struct SideMask {
     decoder: Decoder<BufReader<File>>,
     mask: TiffMask,
@@ -130,7 +130,7 @@ pub(super) struct SideMask {
 }
 
 impl SideMask {
-    /// The mask beside a file of so many columns and rows, if there is one.
+    /// The mask beside a file of this size, if present.
     pub fn find(path: &Path, size: (u32, u32)) -> Result<Option<Self>, HeightFileError> {
         let path = mask_of(path);
         let context = FileContext::new(&path);
@@ -151,12 +151,12 @@ impl SideMask {
         }))
     }
 
-    /// Bytes that are held while heights are read in strips or tiles of so many rows.
+    /// Bytes in memory while heights are read in strips or tiles of `chunk_rows` rows.
     pub fn working_bytes(&self, chunk_rows: usize) -> u64 {
         self.mask.working_bytes(2 * chunk_rows)
     }
 
-    /// Makes holes of what the mask takes from a row; rows above `first` do not come again.
+    /// Turns masked samples of a row into holes; rows above `first` are not requested again.
     pub fn cut(
         &mut self,
         first: usize,

@@ -1,11 +1,11 @@
-//! From stored numbers to metres.
+//! Conversion from stored numbers to metres.
 
 use super::error::FileContext;
 use super::missing::Missing;
 use super::{Header, HeightFileError, Sidecar, sidecar_of};
 use std::cell::Cell;
 
-/// Numbers that programs write where they have no data, and that are no heights or hardly ever: GDAL, ArcGIS, SRTM, DTED, floats.
+/// Numbers that programs write for no data, and that are rarely or never heights: GDAL, ArcGIS, SRTM, DTED, floats.
 const USUAL: [f64; 7] = [
     -9999.0,
     -32_768.0,
@@ -16,12 +16,12 @@ const USUAL: [f64; 7] = [
     f64::MIN,
 ];
 
-/// From stored numbers to metres.
+/// Conversion from stored numbers to metres.
 pub(in crate::elevation) struct Conversion {
     scale_m: f64,
     offset_m: f64,
     missing: Missing,
-    /// How many samples were taken for no data though nothing says so, and what the first of them holds.
+    /// Number of samples treated as no data without a declaration, and the value of the first.
     undeclared: Cell<(u64, f64)>,
 }
 
@@ -59,7 +59,7 @@ impl Conversion {
         })
     }
 
-    /// Metres; no number where there is no data.
+    /// Height in metres; NaN without data.
     #[inline]
     pub(super) fn metres(&self, stored: f64) -> f32 {
         if self.missing.has(stored) {
@@ -74,13 +74,13 @@ impl Conversion {
         (self.offset_m + self.scale_m * stored) as f32
     }
 
-    /// Whether a stored number stands for no data.
+    /// Whether a stored number means no data.
     pub(super) fn is_missing(&self, stored: f64) -> bool {
         let is_usual = !self.missing.is_declared() && USUAL.contains(&stored);
         stored.is_nan() || self.missing.has(stored) || is_usual
     }
 
-    /// Samples so far that were taken for no data though nothing says so.
+    /// Number of samples so far that were treated as no data without a declaration.
     pub(super) fn undeclared(&self) -> u64 {
         self.undeclared.get().0
     }

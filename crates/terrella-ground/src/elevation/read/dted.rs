@@ -9,25 +9,25 @@ use crate::elevation::{Georeference, Registration};
 use std::io::{BufRead, Seek, SeekFrom};
 use terrella_files::excerpt;
 
-/// Bytes of a label of a tape, of the header, and of all before the columns.
+/// Bytes of a tape label, of the header, and of everything before the columns.
 const LABEL_BYTES: u64 = 80;
 const HEADER_BYTES: usize = 80;
 const BEFORE_BYTES: usize = 80 + 648 + 2700;
 
-/// Most columns and rows: those of level 2.
+/// Maximum columns and rows: those of level 2.
 const MOST: u32 = 3601;
 
 const VOID: i16 = -32_767;
 
-/// Below this, whole metres are stored by some programs as two's complement, not as sign and magnitude.
+/// Below this, some programs store integer metres as two's complement, not as sign and magnitude.
 const LOWEST: i16 = -16_000;
 
-/// A file whose header has been read.
+/// A file with a parsed header.
 pub(super) struct Dted<R: BufRead + Seek> {
     reader: R,
     columns: usize,
     rows: usize,
-    /// Where the columns begin.
+    /// Start of the columns.
     start: u64,
 }
 
@@ -38,7 +38,7 @@ impl<R: BufRead + Seek> Dted<R> {
     ) -> Result<(Self, Header), HeightFileError> {
         let mut bytes = vec![0; BEFORE_BYTES];
         let mut first = 0;
-        // Labels of a tape may come first.
+        // Tape labels may come first.
         for _ in 0..4 {
             reader
                 .seek(SeekFrom::Start(first))
@@ -126,12 +126,12 @@ impl<R: BufRead + Seek> Dted<R> {
         Ok((dted, header))
     }
 
-    /// Bytes that reading holds at most: all heights, for they are stored by columns.
+    /// Peak memory of reading, bytes: all heights, because they are stored by columns.
     pub fn working_bytes(&self) -> u64 {
         (self.columns * (self.rows * 2 + 4) + self.rows * 2) as u64
     }
 
-    /// Hands over all rows.
+    /// Passes on all rows.
     pub fn read<E: From<HeightFileError>>(
         &mut self,
         context: &FileContext,
@@ -141,7 +141,7 @@ impl<R: BufRead + Seek> Dted<R> {
         let stored = self.all(context)?;
         let mut heights_m = vec![0.0; self.columns];
         for row in 0..self.rows {
-            // The first of a column is the southern one.
+            // The first value of a column is the southern one.
             let at = self.rows - 1 - row;
             for (column, height_m) in heights_m.iter_mut().enumerate() {
                 *height_m = conversion.metres(f64::from(stored[column * self.rows + at]));
@@ -151,7 +151,7 @@ impl<R: BufRead + Seek> Dted<R> {
         Ok(())
     }
 
-    /// All heights by columns; columns that the file does not have are void.
+    /// All heights by columns; missing columns are void.
     fn all(&mut self, context: &FileContext) -> Result<Vec<i16>, HeightFileError> {
         let reading = |error| context.reading(error);
         let end = self.reader.seek(SeekFrom::End(0)).map_err(reading)?;
@@ -194,7 +194,7 @@ impl<R: BufRead + Seek> Dted<R> {
     }
 }
 
-/// A number of sign and magnitude.
+/// Decodes a number of sign and magnitude.
 fn signed(pair: [u8; 2]) -> i16 {
     let bits = u16::from_be_bytes(pair);
     // 15 bits.
@@ -248,7 +248,7 @@ mod tests {
             [signed([0x80, 0x64]), signed([0, 100]), signed([0xFF, 0xFF])],
             [-100, 100, VOID]
         );
-        // −100 as two's complement would be −32 668 of sign and magnitude.
+        // −100 as two's complement would be −32 668 as sign and magnitude.
         assert_eq!(signed([0xFF, 0x9C]), -100);
     }
 }

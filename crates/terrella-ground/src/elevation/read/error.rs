@@ -1,4 +1,4 @@
-//! Why heights could not be read, said with the file, the cause, what was expected and what to do.
+//! Errors of reading heights: the file, the cause, what was expected and what to do.
 
 use crate::elevation::GridError;
 use std::fmt::Display;
@@ -15,28 +15,28 @@ pub enum HeightFileError {
         path: PathBuf,
         source: std::io::Error,
     },
-    /// A file began well and then broke.
+    /// A file began correctly and then broke.
     #[error("{}: truncated or damaged: {cause}; copy or make it again", path.display())]
     Damaged { path: PathBuf, cause: String },
-    /// A file cannot be used as it is.
+    /// The file is not usable as it is.
     #[error("{}: {cause}; expected {expected}: {remedy}", path.display())]
     Rejected {
         path: PathBuf,
         /// What the file is or lacks.
         cause: String,
-        /// What is accepted there.
+        /// Accepted alternatives.
         expected: String,
         /// What the user can do about it.
         remedy: String,
     },
-    /// A grid that is not one of latitudes and longitudes of WGS84 or nearly that.
+    /// A grid in a system that is not latitude and longitude of WGS84 or close to it.
     #[error(
         "{}: is in {crs}; expected latitudes and longitudes of WGS84: `gdalwarp -t_srs EPSG:4326 -r bilinear {} OUT.tif`",
         path.display(), path.display()
     )]
     OtherCoordinates {
         path: PathBuf,
-        /// What it is in, with its EPSG code where it says one.
+        /// Its coordinate system, with the EPSG code if stated.
         crs: String,
     },
     /// Rows that do not run from west to east.
@@ -45,13 +45,13 @@ pub enum HeightFileError {
         path.display(), path.display()
     )]
     Rotated { path: PathBuf },
-    /// Neither file nor sidecar say where the heights lie.
+    /// Neither file nor sidecar states the position of the heights.
     #[error(
         "{}: has no bounds; define them in {}: write bounds = {{ south_deg = …, north_deg = …, west_deg = …, \
          east_deg = … }} and registration = \"cells\" or \"posts\" there", path.display(), sidecar.display()
     )]
     NoPlace { path: PathBuf, sidecar: PathBuf },
-    /// Neither file nor sidecar say the unit of heights.
+    /// Neither file nor sidecar states the unit of heights.
     #[error(
         "{}: does not state the unit of its elevations; define it in {}: write unit = \"metres\", \"feet\" or \
          \"us-survey-feet\" there, or for all files of the folder in its folder.toml", path.display(), sidecar.display()
@@ -75,7 +75,7 @@ pub enum HeightFileError {
         /// What is wrong and what is expected.
         cause: String,
     },
-    /// The heights make no grid.
+    /// The heights do not form a grid.
     #[error("{}: {source}", path.display())]
     Grid {
         path: PathBuf,
@@ -104,7 +104,7 @@ impl FileContext {
         }
     }
 
-    /// An error while reading: an end that comes too early is damage.
+    /// An error while reading; a premature end is damage.
     pub(super) fn reading(&self, source: std::io::Error) -> HeightFileError {
         match source.kind() {
             std::io::ErrorKind::UnexpectedEof => self.damaged("the file ends too early"),
@@ -144,7 +144,7 @@ impl FileContext {
         }
     }
 
-    /// Why a projected grid is not warped.
+    /// Reports why a projected grid is not warped.
     pub(super) fn unwarped(&self, cause: String) -> HeightFileError {
         self.rejected(
             cause,

@@ -1,4 +1,4 @@
-//! What the tags of a GeoTIFF say about place and units (OGC 19-008r4, and GDAL's own tags).
+//! Position and units in the tags of a GeoTIFF (OGC 19-008r4, and GDAL's own tags).
 
 use super::HeightFileError;
 use super::error::FileContext;
@@ -14,28 +14,28 @@ const VERTICAL_TYPE: u16 = 4096;
 const VERTICAL_UNITS: u16 = 4099;
 const USER_DEFINED: u16 = 32_767;
 
-/// What the tags say, GDAL's among them.
+/// The tags of a file, including GDAL's.
 #[derive(Clone, Debug, Default)]
 pub(super) struct HeightTags {
-    /// Of place and units.
+    /// Tags of position and units.
     pub geo: GeoTags,
-    /// GDAL's XML of metadata.
+    /// GDAL's XML metadata.
     pub gdal: String,
     /// The band of the heights, from 0.
     pub band: u16,
 }
 
-/// Where a file lies.
+/// Position of a file.
 pub(super) enum FilePlacement {
-    /// And whether its southern row comes first.
+    /// With a flag: the southern row comes first.
     Geographic(Georeference, bool),
     Projected(ProjectedGrid),
-    /// In a system that its keys do not name.
+    /// A grid in a system that its keys do not name.
     Plain(PlainGrid),
 }
 
 impl HeightTags {
-    /// Where the file lies; `None` if it does not say.
+    /// The position of the file; `None` if not stated.
     pub(super) fn georeference(
         &self,
         columns: u32,
@@ -49,7 +49,7 @@ impl HeightTags {
         let Some([left, top, right_step, down_step]) = affine else {
             if !self.geo.keys.is_empty() && self.geo.key(MODEL_TYPE).is_some_and(|model| model != 2)
             {
-                // Also of a known projection: nothing says where on it.
+                // This also applies to a known projection: nothing states the position on it.
                 self.check_coordinates(context)?;
             }
             return Ok(None);
@@ -70,7 +70,8 @@ impl HeightTags {
                 ));
             }
         };
-        // The corner of the first cell, or the first point itself.
+        // Offset of the first sample's centre from the reference: the corner of the first cell, or
+        // the first point itself.
         let half = match registration {
             Registration::Cells => 0.5,
             Registration::Posts => 0.0,
@@ -156,7 +157,8 @@ impl HeightTags {
         }
     }
 
-    /// Rejects what is not latitude and longitude of WGS84 or nearly that; radians of one unit, `None` where no key says anything.
+    /// Rejects systems that are not latitude and longitude of WGS84 or close to it. Returns radians per unit, `None` if no key
+    /// states it.
     fn check_coordinates(&self, context: &FileContext) -> Result<Option<f64>, HeightFileError> {
         match self.geo.system() {
             Ok(Some(System::Geographic {
@@ -174,7 +176,7 @@ impl HeightTags {
         }
     }
 
-    /// The unit of heights, `None` if the file does not say it.
+    /// The unit of heights, `None` if the file does not state it.
     pub(super) fn unit(
         &self,
         context: &FileContext,
@@ -206,19 +208,19 @@ impl HeightTags {
             }
             // NAVD88 in feet.
             Some(8228) => Some(HeightUnit::Feet),
-            // NAVD88 and NGVD29 in feet of the surveys.
+            // NAVD88 and NGVD29 in US survey feet.
             Some(6360 | 5702) => Some(HeightUnit::UsSurveyFeet),
             _ => (self.geo.key(GEOGRAPHIC_TYPE) == Some(4979)).then_some(HeightUnit::Metres),
         })
     }
 
-    /// What the heights stand above, `None` if the file does not say it.
+    /// Vertical datum of the heights, `None` if the file does not state it.
     pub(super) fn above(&self) -> Option<VerticalDatum> {
         let codes = [VERTICAL_TYPE, GEOGRAPHIC_TYPE].map(|key| self.geo.key(key));
         codes.into_iter().flatten().find_map(VerticalDatum::of_code)
     }
 
-    /// The text of the band's item of a role in GDAL's metadata.
+    /// The text of the band's item with a role in GDAL's metadata.
     pub(super) fn gdal_item(&self, role: &str) -> Option<&str> {
         let role = format!("role=\"{role}\"");
         let sample = format!("sample=\"{}\"", self.band);

@@ -1,5 +1,6 @@
-//! SRTM's `.hgt`: rows of big-endian whole metres from the north, square degrees with posts on all edges, no header. The name says the
-//! south-west corner (`N45E006.hgt`). Also packed, as servers give them: `N45E006.hgt.gz`, and a zip file that holds one.
+//! SRTM's `.hgt`: rows of big-endian integer metres from the north, without a header. Each covers one square degree with posts on all
+//! edges. The name states the south-west corner (`N45E006.hgt`). Servers also deliver it compressed: `N45E006.hgt.gz`, and a zip file
+//! that contains one.
 //!
 //! Source: NASA, "SRTM Topography" (SRTM_Topo.txt), version 3: −32 768 is a void.
 
@@ -15,19 +16,19 @@ use flate2::read::{DeflateDecoder, GzDecoder};
 use std::io::{BufRead, Read, Seek, SeekFrom};
 use std::path::Path;
 
-/// Columns and rows that there are: 3″, 1″, 1″ with half as many columns, 0.5″.
+/// Known sizes, columns and rows: 3″, 1″, 1″ with half as many columns, 0.5″.
 const SIZES: [(u32, u32); 4] = [(1201, 1201), (3601, 3601), (1801, 3601), (7201, 7201)];
 
 const VOID: f64 = -32_768.0;
 
-/// How the numbers are packed.
+/// Compression of the numbers.
 enum Packing {
     Plain,
     Gzip,
     Zip(ZipEntry),
 }
 
-/// A file of which is known where its numbers are.
+/// A file with the location of its numbers.
 pub(super) struct Hgt<R: BufRead + Seek> {
     reader: R,
     packing: Packing,
@@ -35,14 +36,14 @@ pub(super) struct Hgt<R: BufRead + Seek> {
     rows: usize,
 }
 
-/// Whether a file without marks of its own is one by its name.
+/// Whether the name identifies a file without a signature as this format.
 pub(super) fn is_named(path: &Path) -> bool {
     path.extension()
         .is_some_and(|ending| ending.eq_ignore_ascii_case("hgt"))
 }
 
 impl<R: BufRead + Seek> Hgt<R> {
-    /// Numbers as they are.
+    /// Uncompressed numbers.
     pub(super) fn plain(
         mut reader: R,
         context: &FileContext,
@@ -53,7 +54,7 @@ impl<R: BufRead + Seek> Hgt<R> {
         Self::of(reader, Packing::Plain, bytes, context.path(), context)
     }
 
-    /// Numbers packed by gzip, which says at its end how many bytes they are.
+    /// Numbers compressed by gzip, which stores the uncompressed size at its end.
     pub(super) fn gzip(
         mut reader: R,
         context: &FileContext,
@@ -124,12 +125,12 @@ impl<R: BufRead + Seek> Hgt<R> {
         Ok((hgt, header))
     }
 
-    /// Peak memory of reading, bytes: a row as it is stored and as metres, and what unpacking takes.
+    /// Peak memory of reading, bytes: a row as stored and as metres, and the decompressor.
     pub fn working_bytes(&self) -> u64 {
         self.columns as u64 * 6 + (1 << 20)
     }
 
-    /// Hands over all rows.
+    /// Passes on all rows.
     pub fn read<E: From<HeightFileError>>(
         &mut self,
         context: &FileContext,
@@ -189,7 +190,7 @@ fn rows_of<E: From<HeightFileError>>(
         }
         put(number, 0, &mut heights_m)?;
     }
-    // What is packed is checked at its end.
+    // Compressed data have their check at the end.
     match bytes.read(&mut [0]) {
         Ok(0) => Ok(()),
         Ok(_) => Err(context.damaged("more heights than it says").into()),
@@ -197,7 +198,7 @@ fn rows_of<E: From<HeightFileError>>(
     }
 }
 
-/// Latitude and longitude of the south-west corner, degrees, by a name that begins as `N45E006`, in small letters or capitals.
+/// Latitude and longitude of the south-west corner, degrees, from a name that begins like `N45E006` in any case.
 pub(super) fn corner_of(path: &Path) -> Option<(f64, f64)> {
     let name = path.file_name()?.to_str()?.to_ascii_uppercase();
     let (first, rest) = name.split_at_checked(3)?;

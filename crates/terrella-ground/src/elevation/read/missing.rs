@@ -1,21 +1,21 @@
 //! Stored numbers that mean no data.
 
-/// Most single numbers.
+/// Maximum number of single values.
 const MOST: usize = 4;
 
-/// Stored numbers that mean no data: single ones, and all outside of a range.
+/// Stored numbers that mean no data: single values, and all outside a range.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Missing {
-    /// No numbers where there are fewer.
+    /// Unused entries are NaN.
     values: [f64; MOST],
     lowest: f64,
     highest: f64,
-    /// The file or its sidecar says what has no data.
+    /// Whether the file or its sidecar declares no data.
     is_declared: bool,
 }
 
 impl Missing {
-    /// At most one number.
+    /// At most one value.
     pub fn of(value: Option<f64>) -> Self {
         let mut missing = Self {
             values: [f64::NAN; MOST],
@@ -27,7 +27,7 @@ impl Missing {
         missing
     }
 
-    /// Some numbers; `None` for more than are possible.
+    /// Several values; `None` for more than `MOST`.
     pub(super) fn of_all(values: &[f64]) -> Option<Self> {
         let mut missing = Self::of(None);
         missing
@@ -38,7 +38,7 @@ impl Missing {
         Some(missing)
     }
 
-    /// Also all below and above.
+    /// Adds all values below and above a range.
     pub(super) fn outside(self, lowest: f64, highest: f64) -> Self {
         Self {
             lowest,
@@ -47,12 +47,12 @@ impl Missing {
         }
     }
 
-    /// The range of the same, but this single number.
+    /// Keeps the range, with this single value instead.
     pub(super) fn but(self, value: f64) -> Self {
         Self::of(Some(value)).outside(self.lowest, self.highest)
     }
 
-    /// Also this number; `None` for more than are possible.
+    /// Adds this value; `None` for more than `MOST`.
     pub(super) fn and(mut self, value: f64) -> Option<Self> {
         let free = self.values.iter_mut().find(|value| value.is_nan());
         *free? = value;
@@ -60,7 +60,7 @@ impl Missing {
         Some(self)
     }
 
-    /// The same, of numbers that a library writes by default.
+    /// Marks the values as a library's defaults, not declared.
     pub(super) fn by_default(self) -> Self {
         Self {
             is_declared: false,
@@ -68,14 +68,14 @@ impl Missing {
         }
     }
 
-    /// Whether the file or its sidecar says what has no data.
+    /// Whether the file or its sidecar declares no data.
     pub(super) fn is_declared(&self) -> bool {
         self.is_declared
     }
 
     #[inline]
     pub(super) fn has(&self, stored: f64) -> bool {
-        // A value in the file's own precision may have been written with more digits.
+        // The file may store a value in its own precision that was written with more digits.
         let is_one = |value: &f64| stored == *value || stored == f64::from(*value as f32);
         self.values.iter().any(is_one) || stored < self.lowest || stored > self.highest
     }

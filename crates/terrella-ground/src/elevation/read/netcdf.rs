@@ -1,7 +1,6 @@
-//! NetCDF: one variable over latitude and longitude, and over other dimensions of length 1 before them, such as time.
+//! NetCDF: one variable over latitude and longitude. Other dimensions before them, such as time, must have length 1.
 //!
-//! The containers ([`classic`] and [`hdf5`]) say which variables there are and where their values lie; what the variables mean is the
-//! same in both.
+//! The containers ([`classic`] and [`hdf5`]) list the variables and locate their values. The meaning of the variables is the same in both.
 
 mod axis;
 mod classic;
@@ -22,7 +21,7 @@ use stored::{Found, Shape};
 use terrella_files::printable;
 use variable::{Contents, Variable, number, text};
 
-/// A NetCDF file whose header has been read.
+/// A NetCDF file with a parsed header.
 pub(super) struct NetCdf<R: BufRead + Seek> {
     reader: R,
     values: Found,
@@ -50,7 +49,7 @@ impl<R: BufRead + Seek> NetCdf<R> {
         let (chosen, [lat, lon]) = select_variable(&variables, &dimensions, wanted, context)?;
         mapping::check(&variables, chosen, context)?;
         let (rows, columns) = (dimensions[lat].1, dimensions[lon].1);
-        // A length of 0 is that of records.
+        // A length of 0 means the record dimension.
         let side = |length| u32::try_from(length).unwrap_or(u32::MAX);
         let (rows, columns) = (side(rows), side(columns));
         let sides = 1..=MAX_SIDE;
@@ -161,7 +160,7 @@ impl<R: BufRead + Seek> NetCdf<R> {
         Ok((file, header))
     }
 
-    /// Bytes of a stored value.
+    /// Bytes per stored value.
     #[cfg(test)]
     pub fn value_bytes(&self) -> usize {
         self.kind.bytes()
@@ -172,12 +171,12 @@ impl<R: BufRead + Seek> NetCdf<R> {
         self.values.chunk_rows()
     }
 
-    /// Peak memory of reading, bytes: what the values need, and a row as metres.
+    /// Peak memory of reading, bytes: the values' buffers, and a row as metres.
     pub fn working_bytes(&self) -> u64 {
         self.values.working_bytes(&self.shape) + self.shape.columns as u64 * 4
     }
 
-    /// Hands over all rows.
+    /// Passes on all rows.
     pub fn read<E: From<HeightFileError>>(
         &mut self,
         context: &FileContext,
@@ -204,7 +203,7 @@ impl<R: BufRead + Seek> NetCdf<R> {
     }
 }
 
-/// The variable of coordinates of a dimension.
+/// The coordinate variable of a dimension.
 fn coordinates<'a>(
     variables: &'a [Variable],
     dimensions: &[(String, u64)],
@@ -214,8 +213,8 @@ fn coordinates<'a>(
     variables.iter().find(of_name)
 }
 
-/// The variable of heights, and its dimensions of rows and columns: the variable that is named, the only one of two dimensions, or the
-/// only one of them over latitude and longitude.
+/// The variable of heights with its dimensions of rows and columns. It is the named variable, the only one with two dimensions, or the
+/// only such variable over latitude and longitude.
 fn select_variable<'a>(
     variables: &'a [Variable],
     dimensions: &[(String, u64)],
@@ -246,7 +245,7 @@ fn select_variable<'a>(
             )
         });
     }
-    // Bounds of times and cells have two dimensions, too.
+    // Bounds of times and cells also have two dimensions.
     let is_placed = |(_, [lat, lon]): &(&Variable, [usize; 2])| {
         let is = |dimension, axis: &axis::Axis| {
             let coordinates = coordinates(variables, dimensions, dimension);

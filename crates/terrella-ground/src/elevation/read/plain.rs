@@ -1,5 +1,4 @@
-//! Samples of a file that does not say in which coordinate system its numbers are: those of ASCII grids, of world files, and of GeoTIFF
-//! tags without keys.
+//! Samples of a file that does not state its coordinate system: ASCII grids, world files, and GeoTIFF tags without keys.
 
 use super::error::FileContext;
 use super::{Header, HeightFileError};
@@ -13,25 +12,25 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use terrella_files as files;
 
-/// Samples at equal steps, by the first of the first row, in degrees or in metres.
+/// Samples at equal steps from the first of the first row, in degrees or in metres.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlainGrid {
     pub columns: u32,
     pub rows: u32,
-    /// Middle of the first cell, or the first post.
+    /// Centre of the first cell, or the first post.
     pub left: f64,
     pub top: f64,
-    /// From column to column, positive.
+    /// Step from column to column, positive.
     pub column: f64,
-    /// From row to row, to the south: negative where the southern row comes first.
+    /// Step from row to row, to the south; negative where the southern row comes first.
     pub row: f64,
     pub registration: Registration,
-    /// Its numbers are not taken for degrees where nothing says so.
+    /// Whether its numbers need a stated system and are never assumed to be degrees.
     pub needs_system: bool,
 }
 
 impl PlainGrid {
-    /// Of the world file beside a raster of so many columns and rows, if there is one.
+    /// The grid of the world file beside a raster of this size, if there is one.
     pub fn beside(
         raster: &Path,
         (columns, rows): (u32, u32),
@@ -67,7 +66,7 @@ impl PlainGrid {
 }
 
 impl Header {
-    /// Places a plain grid in a system, or without one, where its numbers can be degrees.
+    /// Places a plain grid in a system; without one, only if its numbers can be degrees.
     pub(super) fn settle(
         &mut self,
         system: Option<TextSystem>,
@@ -76,7 +75,7 @@ impl Header {
         let Some(grid) = self.plain else {
             return Ok(());
         };
-        // Half a cell over on all sides.
+        // Half a cell beyond the limits on all sides is accepted.
         let margin = match grid.registration {
             Registration::Cells => 0.5,
             Registration::Posts => 0.0,
@@ -144,12 +143,12 @@ impl Header {
     }
 }
 
-/// What the text with the coordinate system of a file may be called.
+/// Possible names of the text with a file's coordinate system.
 pub(super) fn prj_of(path: &Path) -> [PathBuf; 2] {
     ["prj", "PRJ"].map(|ending| path.with_extension(ending))
 }
 
-/// The system that a text beside a file names: `NAME.prj`, or `NAME.asc.aux.xml`.
+/// The system stated in a text beside a file: `NAME.prj`, or `NAME.asc.aux.xml`.
 pub(super) fn system_beside(path: &Path) -> Result<Option<TextSystem>, HeightFileError> {
     let read = |file: &Path, most: u64| match files::read(file, most) {
         Ok(Some(bytes)) => Ok(Some(String::from_utf8_lossy(&bytes).into_owned())),

@@ -1,4 +1,4 @@
-//! PNG: grey of 8 or 16 bits; everything else about it stands in the sidecar.
+//! Grey PNG of 8 or 16 bits; the sidecar states everything else.
 
 use super::error::FileContext;
 use super::missing::Missing;
@@ -7,15 +7,15 @@ use super::{Conversion, Header, HeightFileError};
 use png::{BitDepth, ColorType, DecodingError, Limits, Reader, Transformations};
 use std::io::{BufRead, Seek};
 
-/// What the decoder itself may hold: rows and text. 2 bytes × 2^20 a row, a few of them.
+/// Memory limit of the decoder: rows and text. A row takes 2 bytes × 2^20; it holds a few of them.
 const DECODER_BYTES: usize = 64 << 20;
 
-/// A PNG file whose header has been read.
+/// A PNG file with a parsed header.
 pub(super) struct Png<R: BufRead + Seek> {
     reader: Reader<R>,
     columns: usize,
     rows: usize,
-    /// Little-endian samples, or `None` for those of 8 bits.
+    /// Whether samples are little-endian, or `None` for 8 bits.
     is_little: Option<bool>,
 }
 
@@ -62,7 +62,7 @@ impl<R: BufRead + Seek> Png<R> {
             ));
         }
         let is_little = is_short.then_some(byte_order == Some(ByteOrder::Little));
-        // The one level that a grey PNG may call transparent.
+        // The one level that a grey PNG may declare transparent.
         let transparent = info
             .trns
             .as_deref()
@@ -84,12 +84,12 @@ impl<R: BufRead + Seek> Png<R> {
         Ok((png, header))
     }
 
-    /// Peak memory of reading, bytes: a row as it is stored twice, and as metres.
+    /// Peak memory of reading, bytes: two stored rows, and one in metres.
     pub fn working_bytes(&self) -> u64 {
         self.columns as u64 * (2 * 2 + 4) + (1 << 20)
     }
 
-    /// Hands over all rows.
+    /// Passes on all rows.
     pub fn read<E: From<HeightFileError>>(
         &mut self,
         context: &FileContext,
@@ -123,7 +123,7 @@ impl<R: BufRead + Seek> Png<R> {
             }
             put(number, 0, &mut heights_m)?;
         }
-        // What is left must be whole too: checksums and the end chunk.
+        // The rest must be intact too: checksums and the end chunk.
         let end = self.reader.finish();
         Ok(end.map_err(|error| png_error(context, error))?)
     }

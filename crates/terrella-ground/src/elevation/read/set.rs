@@ -1,4 +1,4 @@
-//! Files of heights that are given together: by a folder, or by a name with `*` or `?`.
+//! Sets of elevation files, given by a folder or by a name with `*` or `?`.
 
 use super::HeightFileError;
 use super::error::FileContext;
@@ -6,20 +6,20 @@ use super::vrt::vrt_files;
 use crate::elevation::vrt::is_vrt;
 use std::path::{Path, PathBuf};
 
-/// Most files of one set.
+/// Maximum number of files in a set.
 pub const MAX_SET_FILES: usize = 65_536;
 
-/// What the names of files of heights end in.
+/// File name endings of elevation files.
 const ENDINGS: [&str; 14] = [
     ".tif", ".tiff", ".png", ".nc", ".nc4", ".hgt", ".hgt.gz", ".hgt.zip", ".zip", ".asc", ".dt0",
     ".dt1", ".dt2", ".grd",
 ];
 
-/// The files that a path stands for: itself, or those of a folder or of a virtual raster (`.vrt`), or those whose names match its last part, in which `*` stands for any
-/// characters and `?` for one. In the order of their names, or as they lie in a virtual raster, the uppermost first.
+/// The files that a path refers to: itself, or those of a folder or of a virtual raster (`.vrt`). The last part may be a pattern: `*` matches any
+/// characters, `?` matches one. The order is by name; for a virtual raster, the uppermost file is first.
 ///
 /// # Errors
-/// [`HeightFileError`] for folders and virtual rasters that cannot be read, and where there is no file or more than [`MAX_SET_FILES`].
+/// [`HeightFileError`] for an unreadable folder or virtual raster, for no file, and for more than [`MAX_SET_FILES`].
 pub fn height_set(path: &Path) -> Result<Vec<PathBuf>, HeightFileError> {
     let name = path
         .file_name()
@@ -73,17 +73,17 @@ fn is_heights(name: &str) -> bool {
     !name.starts_with('.') && ENDINGS.iter().any(|ending| name.ends_with(ending))
 }
 
-/// Whether a file only says something of another.
+/// Whether a file only describes another.
 fn is_beside(name: &str) -> bool {
     let name = name.to_ascii_lowercase();
     let endings = [".toml", ".aux.xml", ".msk", ".ovr", ".prj", ".tfw", ".wld"];
     name.starts_with('.') || endings.iter().any(|ending| name.ends_with(ending))
 }
 
-/// Whether a name matches a pattern. Time is at most the product of both lengths.
+/// Whether a name matches a pattern. Takes at most the product of both lengths.
 fn matches(pattern: &[u8], name: &[u8]) -> bool {
     let (mut p, mut n) = (0, 0);
-    // Where the last star stood, and what it stands for at least.
+    // Position of the last star, and the end of its shortest match.
     let mut star: Option<(usize, usize)> = None;
     while n < name.len() {
         match pattern.get(p) {

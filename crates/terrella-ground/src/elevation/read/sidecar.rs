@@ -1,4 +1,4 @@
-//! What a file of heights does not say itself, in a TOML file beside it.
+//! Metadata that an elevation file lacks, in a TOML file beside it.
 
 use super::HeightFileError;
 use super::error::FileContext;
@@ -20,7 +20,7 @@ pub enum HeightUnit {
     Metres,
     /// International feet of 0.3048 m.
     Feet,
-    /// Feet of the United States surveys, 1200/3937 m.
+    /// US survey feet, 1200/3937 m.
     UsSurveyFeet,
 }
 
@@ -33,7 +33,7 @@ impl HeightUnit {
         }
     }
 
-    /// As sidecars name it.
+    /// The name in sidecars.
     pub fn name(self) -> &'static str {
         match self {
             Self::Metres => "metres",
@@ -42,7 +42,7 @@ impl HeightUnit {
         }
     }
 
-    /// The unit by the words that files have for it.
+    /// The unit of a word used in files.
     pub(super) fn from_word(word: &str) -> Option<Self> {
         match word.trim().to_ascii_lowercase().as_str() {
             "m" | "metre" | "meter" | "metres" | "meters" => Some(Self::Metres),
@@ -57,38 +57,38 @@ impl HeightUnit {
     }
 }
 
-/// Order of the bytes of a number.
+/// Byte order of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ByteOrder {
-    /// The highest byte first, as PNG has it.
+    /// The highest byte first, as the PNG standard requires.
     Big,
     /// The lowest byte first, as some programs write PNG by mistake.
     Little,
 }
 
-/// Bounds of a file that does not contain them.
+/// Georeference of a file that does not contain one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SidecarGeoreference {
-    /// By its edges; size and spacing follow from the file's samples.
+    /// By edges; size and spacing follow from the file's samples.
     Bounds(Bounds, Registration),
-    /// By its middle (of all cells, or of all posts) and spacings, radians.
+    /// By centre (of all cells, or of all posts) and spacings, radians.
     Centre {
-        /// Latitude of the middle.
+        /// Latitude of the centre.
         lat_rad: f64,
-        /// Longitude of the middle.
+        /// Longitude of the centre.
         lon_rad: f64,
-        /// From row to row.
+        /// Step from row to row.
         lat_step_rad: f64,
-        /// From column to column.
+        /// Step from column to column.
         lon_step_rad: f64,
-        /// What samples stand for.
+        /// Meaning of a sample.
         registration: Registration,
     },
 }
 
 impl SidecarGeoreference {
-    /// For a file of so many samples.
+    /// The georeference for a file of this size.
     pub(super) fn georeference(&self, columns: u32, rows: u32) -> Result<Georeference, GridError> {
         match self {
             Self::Bounds(bounds, registration) => {
@@ -130,11 +130,11 @@ impl SidecarGeoreference {
 /// attribution = "NOAA"        # whom to name for the data, at most 1000 characters
 /// ```
 ///
-/// Place and unit may be left out where the file says them, the rest anywhere. Scale, offset and no-data value count
-/// before those of the file. An east edge at or west of the west edge is one turn on.
+/// Position and unit may be omitted if the file states them; all other keys are optional. Scale, offset and no-data
+/// value override those of the file. 360° is added to an east edge at or west of the west edge.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sidecar {
-    /// Where it lies.
+    /// Position of the file.
     pub georeference: Option<SidecarGeoreference>,
     pub unit: Option<HeightUnit>,
     /// Heights in the unit are offset + scale × stored.
@@ -142,7 +142,7 @@ pub struct Sidecar {
     pub offset: Option<f64>,
     /// Stored value that means no data.
     pub no_data: Option<f64>,
-    /// Order of the bytes of a PNG's samples.
+    /// Byte order of a PNG's samples.
     pub byte_order: Option<ByteOrder>,
     /// Variable of a NetCDF file.
     pub variable: Option<String>,
@@ -150,7 +150,7 @@ pub struct Sidecar {
     pub band: Option<u16>,
     /// Vertical datum of heights.
     pub above: Option<VerticalDatum>,
-    /// Whom to name for the data.
+    /// Credit for the data.
     pub attribution: Option<String>,
 }
 
@@ -195,7 +195,7 @@ enum RawRegistration {
     Posts,
 }
 
-/// A text and the file that errors name.
+/// A text, and the file name for errors.
 struct SidecarText<'a>(&'a str, &'a Path);
 
 impl SidecarText<'_> {
@@ -365,15 +365,15 @@ fn from_bounds(
     Ok(SidecarGeoreference::Bounds(bounds, registration))
 }
 
-/// Where the sidecar of a file stands.
+/// Path of a file's sidecar.
 pub(super) fn sidecar_of(path: &Path) -> PathBuf {
     path.with_extension("toml")
 }
 
-/// The sidecar of all files of a folder that have none of their own.
+/// Name of the sidecar for all files of a folder that have none of their own.
 const FOLDER_SIDECAR: &str = "folder.toml";
 
-/// The sidecar of a folder, if there is one: it says no place.
+/// The sidecar of a folder, if there is one; it states no position.
 pub(super) fn folder_sidecar(path: &Path) -> Result<Option<Sidecar>, HeightFileError> {
     let of_folder = path.with_file_name(FOLDER_SIDECAR);
     let sidecar = read_sidecar(&of_folder)?;
@@ -387,7 +387,7 @@ pub(super) fn folder_sidecar(path: &Path) -> Result<Option<Sidecar>, HeightFileE
     }
 }
 
-/// The sidecar at a path, if there is a file.
+/// The sidecar at a path, if the file exists.
 pub(super) fn read_sidecar(path: &Path) -> Result<Option<Sidecar>, HeightFileError> {
     let context = FileContext::new(path);
     let file = match files::open(path) {

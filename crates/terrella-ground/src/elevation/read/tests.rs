@@ -1,4 +1,4 @@
-//! Files of all formats, and every way in which they are rejected.
+//! Files of all formats, and all reasons for rejection.
 
 mod bands;
 mod files;
@@ -23,12 +23,12 @@ fn open(name: &str) -> HeightFile {
     open_heights(&data(name), &GridLimits::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// What the files of tests/data/heights hold: whole metres of a plane.
+/// Contents of the files in tests/data/heights: integer metres of a plane.
 fn plane(lat_deg: f64, lon_deg: f64) -> f64 {
     (100.0 * lat_deg + 7.0 * lon_deg).round_ties_even()
 }
 
-/// Compares the samples that lie `step` apart from a first one.
+/// Compares samples `step` apart, starting at a first one.
 #[track_caller]
 fn holds(
     file: &HeightFile,

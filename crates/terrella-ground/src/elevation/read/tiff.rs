@@ -18,13 +18,13 @@ use tiff::TiffError;
 use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
-/// Largest strip or tile, bytes.
+/// Maximum size of a strip or tile, bytes.
 const CHUNK_BYTES: u64 = 256 << 20;
 
-/// GDAL's XML of metadata.
+/// GDAL's XML metadata.
 const GDAL_METADATA: Tag = Tag::Unknown(42_112);
 
-/// A TIFF file whose header has been read.
+/// A TIFF file with a parsed header.
 pub(super) struct Tiff<R: BufRead + Seek> {
     decoder: Decoder<R>,
     chunks: TiffChunks,
@@ -33,9 +33,9 @@ pub(super) struct Tiff<R: BufRead + Seek> {
     chunk_columns: usize,
     chunk_rows: usize,
     bands: Bands,
-    /// Samples of a pixel side by side in a strip or tile.
+    /// Interleaved samples per pixel in a strip or tile.
     stride: usize,
-    /// Strips or tiles that the file leaves out.
+    /// Whether the file omits each strip or tile.
     absent: Option<Vec<bool>>,
     mask: Option<TiffMask>,
 }
@@ -56,7 +56,7 @@ impl<R: BufRead + Seek> Tiff<R> {
         let bands = Bands::of(&mut decoder, band, context)?;
         let photometric = decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation);
         if photometric.map_err(told)? == Some(0) {
-            // The decoder would turn the numbers round.
+            // The decoder would invert the values.
             return Err(unsupported(
                 context,
                 "counts from white to black".to_string(),
@@ -121,13 +121,13 @@ impl<R: BufRead + Seek> Tiff<R> {
         if chunk_columns == 0 || chunk_rows == 0 {
             return Err(context.damaged("strips or tiles of no size"));
         }
-        // A strip may claim more rows than there are; a tile may be wider and higher than the whole.
+        // A strip may claim more rows than the image has; a tile may be larger than the image.
         let chunk_rows = match decoder.get_chunk_type() {
             ChunkType::Tile => chunk_rows,
             ChunkType::Strip => chunk_rows.min(rows),
         };
         let mut limits = Limits::default();
-        // Places and lengths of the tiles of the largest grid, 16 bytes for each.
+        // Offsets and lengths of the tiles of the largest grid, 16 bytes each.
         limits.ifd_value_size = 64 << 20;
         limits.decoding_buffer_size = limits.ifd_value_size;
         let mut decoder = decoder.with_limits(limits.clone());
@@ -153,7 +153,7 @@ impl<R: BufRead + Seek> Tiff<R> {
         }
         let absent = absent_chunks(&mut decoder);
         let mask = TiffMask::find(&mut decoder, (columns, rows));
-        // At most `CHUNK_BYTES`. Compressed data are at most a little longer.
+        // At most `CHUNK_BYTES`. Compressed data are only slightly longer.
         limits.decoding_buffer_size = chunk_bytes as usize;
         limits.intermediate_buffer_size = chunk_bytes as usize * 2 + 4096;
         let decoder = decoder.with_limits(limits);
@@ -172,7 +172,7 @@ impl<R: BufRead + Seek> Tiff<R> {
         Ok((tiff, header))
     }
 
-    /// Bytes that reading holds at most: a strip or tile decoded, its data, places and lengths of all, and as much of a mask.
+    /// Peak memory of reading, bytes: a decoded strip or tile, its data, all offsets and lengths, and the same for a mask.
     pub fn working_bytes(&self) -> u64 {
         let pixels = (self.chunk_columns * self.chunk_rows) as u64;
         let chunk = pixels * self.bands.sample_bytes() * u64::from(self.chunks.samples());
@@ -187,17 +187,18 @@ impl<R: BufRead + Seek> Tiff<R> {
         let of_chunks = self.chunks.working_bytes(chunk);
         let of_places = across * down * 17 * u64::from(self.bands.count);
         let of_row = self.columns as u64 * 5 + (1 << 20);
-        // Whole numbers of 64 bits become floats as wide.
+        // 64-bit integers become floats of the same width.
         let of_floats = if self.bands.bits == 64 { chunk } else { 0 };
         2 * chunk + of_floats + of_places + of_row + of_mask + of_chunks + of_alpha
     }
 
-    /// What is to be said of the choice of a band.
+    /// Notice about the choice of a band.
     pub fn note(&self, context: &FileContext) -> Option<String> {
         self.bands.note(context)
     }
 
-    /// Whether samples have fewer bits than the bytes that hold them; a picture is stretched over all.
+    /// Whether samples use fewer bits than their bytes hold; an image would be stretched to the full
+    /// range.
     pub fn is_narrow(&self) -> bool {
         u64::from(self.bands.bits) < 8 * self.bands.sample_bytes()
     }
@@ -207,7 +208,7 @@ impl<R: BufRead + Seek> Tiff<R> {
         self.chunk_rows
     }
 
-    /// Hands over all samples, strip by strip or tile by tile, each row by row.
+    /// Passes on all samples, strip by strip or tile by tile, each row by row.
     pub fn read<E: From<HeightFileError>>(
         &mut self,
         context: &FileContext,
@@ -222,7 +223,7 @@ impl<R: BufRead + Seek> Tiff<R> {
                 number / across * self.chunk_rows,
                 number % across * self.chunk_columns,
             );
-            // Tiles may reach beyond the image.
+            // Tiles may extend beyond the image.
             let size = (
                 self.chunk_columns.min(self.columns - first.1),
                 self.chunk_rows.min(self.rows - first.0),
@@ -295,7 +296,7 @@ impl<R: BufRead + Seek> Tiff<R> {
         Ok(())
     }
 
-    /// The number of a strip or tile of a band in the file.
+    /// The index of a band's strip or tile in the file.
     fn index(&self, number: usize, band: u16) -> usize {
         match self.chunks.is_planar() {
             true => usize::from(band) * self.chunks.per_plane() as usize + number,
@@ -303,7 +304,7 @@ impl<R: BufRead + Seek> Tiff<R> {
         }
     }
 
-    /// Where the alpha of a strip or tile lets heights be; `None` without alpha.
+    /// Where the alpha of a strip or tile permits heights; `None` without alpha.
     fn opaque(
         &mut self,
         heights: &DecodingResult,
@@ -325,14 +326,14 @@ impl<R: BufRead + Seek> Tiff<R> {
         Ok(Some(opaque(&self.chunk(index, size, context)?, 1, 0)))
     }
 
-    /// Decodes a strip or tile, of which so many columns and rows lie in the image.
+    /// Decodes a strip or tile with this many columns and rows inside the image.
     fn chunk(
         &mut self,
         number: usize,
         (columns, rows): (usize, usize),
         context: &FileContext,
     ) -> Result<DecodingResult, HeightFileError> {
-        // Below 2^32: chunks hold a sample at least.
+        // Below 2^32: a chunk holds at least one sample.
         let index = number as u32;
         let chunk = self.chunks.read(&mut self.decoder, index);
         let chunk = chunk.map_err(|error| chunk_error(context, error))?;
@@ -345,7 +346,7 @@ impl<R: BufRead + Seek> Tiff<R> {
     }
 }
 
-/// What is taken away from the rows of a strip or tile.
+/// Missing samples in the rows of a strip or tile.
 struct Gaps<'a, R: BufRead + Seek> {
     decoder: &'a mut Decoder<R>,
     mask: Option<&'a mut TiffMask>,
@@ -353,14 +354,14 @@ struct Gaps<'a, R: BufRead + Seek> {
 }
 
 impl<R: BufRead + Seek> Gaps<'_, R> {
-    /// No row above this one follows.
+    /// Announces that no earlier row follows.
     fn begin(&mut self, row: usize) {
         if let Some(mask) = &mut self.mask {
             mask.forget_above(row);
         }
     }
 
-    /// Makes holes of what the mask takes from a row.
+    /// Turns masked samples of a row into holes.
     fn cut(
         &mut self,
         row: usize,
@@ -384,13 +385,13 @@ impl<R: BufRead + Seek> Gaps<'_, R> {
 struct Samples {
     /// Columns and rows.
     size: (usize, usize),
-    /// Samples of a pixel, and which of them is the height.
+    /// Samples per pixel, and the index of the height.
     stride: usize,
     offset: usize,
 }
 
 impl Samples {
-    /// Converts the samples of heights and hands over each row; whether there were enough.
+    /// Converts the height samples and passes on each row. Returns whether there were enough.
     fn convert_rows<T: Copy + Into<f64>, E>(
         &self,
         values: &[T],

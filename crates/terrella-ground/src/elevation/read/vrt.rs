@@ -1,7 +1,7 @@
-//! The files of elevation that a virtual raster lists.
+//! The elevation files listed by a virtual raster.
 //!
-//! They are read one by one, each where it says itself that it lies, so that a raster of thousands of them need not fit into memory. So the
-//! raster must say the same of them: sources that it moves, crops, scales or masks by other numbers are rejected.
+//! The files are read one by one, each at its own stated position. A raster of thousands of files therefore need not fit into memory. The raster must
+//! agree with the files: it may not move, crop, scale or mask them with other numbers.
 
 use super::error::FileContext;
 use super::{HeightFileError, HeightReader};
@@ -9,13 +9,13 @@ use crate::elevation::vrt::{Vrt, VrtBand, VrtError, VrtGrid, VrtSource};
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
-/// How far a file may lie from where the raster places it, in its own samples.
+/// Maximum offset of a file from its position in the raster, in the file's samples.
 const MOST_MOVED: f64 = 0.1;
 
 /// The files of a virtual raster, the uppermost first.
 ///
 /// # Errors
-/// [`HeightFileError`] for what the raster does to them beside placing them side by side, and for files whose headers are rejected.
+/// [`HeightFileError`] if the raster does more than place its files side by side, and for files whose headers are rejected.
 pub(super) fn vrt_files(path: &Path) -> Result<Vec<PathBuf>, HeightFileError> {
     let context = FileContext::new(path);
     let vrt = Vrt::open(path).map_err(|error| vrt_error(&context, error))?;
@@ -38,7 +38,7 @@ pub(super) fn vrt_files(path: &Path) -> Result<Vec<PathBuf>, HeightFileError> {
     Ok(files)
 }
 
-/// What the raster does to a file that is not done here.
+/// An unsupported operation that the raster applies to a file.
 fn complaint<R: std::io::BufRead + std::io::Seek>(
     vrt: &Vrt,
     band: &VrtBand,
@@ -68,7 +68,7 @@ fn complaint<R: std::io::BufRead + std::io::Seek>(
     if !scale(own.0, band.scale, 1.0) || !scale(own.1, band.offset, 0.0) {
         return Ok(Some(format!("has another scale or offset than {name}")));
     }
-    // A number of the band alone stands where no file lies.
+    // The band's own no-data value applies where no file exists.
     if let Some(no_data) = source.no_data
         && !reader.conversion()?.is_missing(no_data)
     {
@@ -76,7 +76,7 @@ fn complaint<R: std::io::BufRead + std::io::Seek>(
             "takes {no_data} of {name} for no data, and the file does not: write nodata = {no_data} into its sidecar or a folder.toml beside it"
         )));
     }
-    // Of projected files, the raster's numbers are those of the projection.
+    // For projected files, the raster's numbers are projected coordinates.
     let (None, Some(grid)) = (&header.warp, vrt.grid) else {
         return Ok(None);
     };
@@ -96,7 +96,7 @@ fn complaint<R: std::io::BufRead + std::io::Seek>(
         north - to[1] * row - 0.5 * step.1,
     );
     let lon_rad = first.0.to_radians() - place.west_rad;
-    // By whole turns.
+    // Modulo 360°.
     let east_rad = lon_rad - TAU * (lon_rad / TAU).round();
     let north_rad = first.1.to_radians() - place.north_rad;
     let span = |of_raster: f64, own: f64, count: f64| (of_raster.to_radians() - own).abs() * count;

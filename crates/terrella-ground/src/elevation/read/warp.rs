@@ -1,8 +1,8 @@
-//! Heights on a grid of a map projection: all of them are held, and those between them are bilinear.
+//! Resamples heights of a projected grid: all are held in memory and interpolated bilinearly.
 
 use crate::elevation::warp::Warp;
 
-/// Heights as they are projected.
+/// Projected heights.
 pub(super) struct Held<'a> {
     warp: &'a Warp,
     columns: usize,
@@ -15,7 +15,7 @@ pub(super) fn working_bytes(warp: &Warp) -> u64 {
 }
 
 impl<'a> Held<'a> {
-    /// None of which is known yet.
+    /// Creates the buffer without any heights.
     pub(super) fn new(warp: &'a Warp) -> Self {
         Self {
             warp,
@@ -24,13 +24,13 @@ impl<'a> Held<'a> {
         }
     }
 
-    /// Takes heights of a row from a column on.
+    /// Stores heights of a row from a column on.
     pub(super) fn put(&mut self, row: usize, column: usize, heights_m: &[f32]) {
         let start = row * self.columns + column;
         self.heights_m[start..start + heights_m.len()].copy_from_slice(heights_m);
     }
 
-    /// Hands over all rows of the grid that is made; no numbers outside of the projected one.
+    /// Passes on all rows of the target grid; NaN outside the projected one.
     pub(super) fn rows<E>(
         &self,
         put: &mut impl FnMut(usize, usize, &mut [f32]) -> Result<(), E>,
@@ -50,7 +50,7 @@ impl<'a> Held<'a> {
 
     fn height_m(&self, row: f64, column: f64) -> f32 {
         let rows = self.heights_m.len() / self.columns;
-        // There are two rows and columns at least.
+        // There are at least two rows and columns.
         let (top, left) = (
             (row as usize).min(rows - 2),
             (column as usize).min(self.columns - 2),
@@ -60,7 +60,7 @@ impl<'a> Held<'a> {
         let across = |row: usize| at(row, left) + right * (at(row, left + 1) - at(row, left));
         let height = across(top) + down * (across(top + 1) - across(top));
         match height.is_nan() {
-            // Beside a hole the nearest counts.
+            // Beside a hole the nearest sample counts.
             true => at(
                 top + usize::from(down > 0.5),
                 left + usize::from(right > 0.5),

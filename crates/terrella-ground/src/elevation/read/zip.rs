@@ -1,27 +1,28 @@
-//! The one file of a kind in a zip file (PKWARE, APPNOTE 6.3): stored or deflated, in one part, without a password.
+//! Finds the only file of a kind in a zip file (PKWARE, APPNOTE 6.3): stored or deflated, in one part, without a
+//! password.
 
 use super::HeightFileError;
 use super::error::FileContext;
 use std::io::{Read, Seek, SeekFrom};
 use terrella_files::excerpt;
 
-/// Longest list of contents, bytes.
+/// Maximum size of the central directory, bytes.
 const LIST_BYTES: u64 = 1 << 20;
 
-/// How far from its end a zip file says where its list is: 22 bytes and a remark.
+/// Range at the end of a zip file that contains the end record: 22 bytes and a comment.
 const END_BYTES: u64 = 22 + 65_535;
 
 /// A file in a zip file.
 #[derive(Debug)]
 pub(super) struct ZipEntry {
     pub name: String,
-    /// Bytes, unpacked.
+    /// Uncompressed size, bytes.
     pub bytes: u64,
-    /// Where its packed bytes begin, and how many they are.
+    /// Offset and size of its compressed bytes.
     pub start: u64,
     pub packed_bytes: u64,
     pub is_deflated: bool,
-    /// CRC-32 of the unpacked bytes.
+    /// CRC-32 of the uncompressed bytes.
     pub crc: u32,
 }
 
@@ -34,7 +35,7 @@ fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
 }
 
 impl ZipEntry {
-    /// The only file with this ending.
+    /// The only file with this extension.
     pub(super) fn find<R: Read + Seek>(
         reader: &mut R,
         ending: &str,
@@ -55,7 +56,7 @@ impl ZipEntry {
             rest = rest
                 .get(46 + name_length + extra + remark..)
                 .unwrap_or_default();
-            // What macOS adds of its own.
+            // macOS adds these files itself.
             if !entry.name.to_ascii_lowercase().ends_with(ending)
                 || entry.name.starts_with("__MACOSX/")
             {
@@ -94,7 +95,8 @@ impl ZipEntry {
         Ok(entry)
     }
 
-    /// By a line of the list, and where its own head begins; `None` of a line that is cut off.
+    /// Parses a directory entry; the offset is that of the local header. `None` if the entry is cut
+    /// off.
     fn of(
         line: &[u8],
         name: String,
@@ -130,7 +132,7 @@ impl ZipEntry {
     }
 }
 
-/// The list of contents.
+/// The central directory.
 fn list_of<R: Read + Seek>(
     reader: &mut R,
     context: &FileContext,

@@ -1,4 +1,4 @@
-//! Means for holes: the levels of the pyramid in scratch files, upwards until there is no hole, then filled downwards.
+//! Means for holes: pyramid levels in scratch files, built upwards until no hole is left, then filled downwards.
 
 use super::store::{Kept, OpenStore, Store};
 use super::{Scratch, SpoolError};
@@ -6,7 +6,8 @@ use crate::elevation::grid::holes::fill_row;
 use crate::elevation::grid::levels::{Averager, LevelShape, spans};
 use crate::elevation::grid::placement::Placement;
 
-/// The filled level above the finest: what holes of the finest are filled from. `None` if the finest is the only level.
+/// The filled level above the finest, from which holes of the finest are filled. `None` if the finest is the only
+/// level.
 pub(super) fn filled(
     place: &Placement,
     shapes: &[LevelShape],
@@ -34,7 +35,7 @@ pub(super) fn filled(
     Ok(None)
 }
 
-/// Writes the means of a level; whether they have no hole.
+/// Writes the means of a level. Returns whether they have no hole.
 fn average(
     place: &Placement,
     shapes: &[LevelShape],
@@ -86,7 +87,7 @@ fn fill(
     Ok(())
 }
 
-/// The two rows of a level between which a place lies.
+/// The two rows of a level around a place.
 struct Rows<'a> {
     shape: &'a LevelShape,
     first: Option<usize>,
@@ -102,7 +103,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Reads those about a row of the finest level.
+    /// Reads the rows around a row of the finest level.
     fn load(&mut self, from: &mut OpenStore<'_>, base_row: f64) -> Result<(), SpoolError> {
         let (row, _) = self.shape.own(base_row, 0.0);
         // Negative numbers saturate at 0.

@@ -6,13 +6,13 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::PathBuf;
 use terrella_files::{self as files, Unfinished};
 
-/// What stands for a hole among whole metres: no height of the Earth.
+/// Marks a hole among integer metres; not a height of the Earth.
 const HOLE: i16 = i16::MIN;
 
-/// How heights are kept.
+/// Storage format of heights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kept {
-    /// Whole metres, 2 bytes.
+    /// Integer metres, 2 bytes.
     Whole,
     /// Metres, 4 bytes.
     Float,
@@ -27,7 +27,7 @@ impl Kept {
     }
 }
 
-/// A scratch file of rows of heights, metres; holes are no numbers. It is removed with this.
+/// A scratch file of rows of heights, metres; holes are NaN. Dropping this value removes the file.
 #[derive(Debug)]
 pub(super) struct Store {
     path: PathBuf,
@@ -38,7 +38,7 @@ pub(super) struct Store {
 }
 
 impl Store {
-    /// Makes the file again, as large as it will be.
+    /// Recreates the file at its final size.
     pub(super) fn create(
         path: PathBuf,
         (columns, rows): (usize, usize),
@@ -62,12 +62,12 @@ impl Store {
         Ok(store)
     }
 
-    /// Bytes of a file of so many heights.
+    /// Bytes of a file for this size and format.
     pub(super) fn bytes_of((columns, rows): (usize, usize), kept: Kept) -> u64 {
         columns as u64 * rows as u64 * kept.bytes() as u64
     }
 
-    /// Opens the file; each thread does so for itself.
+    /// Opens the file; each thread opens its own handle.
     pub(super) fn open(&self) -> Result<OpenStore<'_>, SpoolError> {
         let opened = files::open_with(File::options().read(true).write(true), &self.path);
         Ok(OpenStore {
@@ -87,7 +87,7 @@ impl Store {
 
 impl Drop for Store {
     fn drop(&mut self) {
-        // Whoever made the folder removes what is left in it.
+        // The creator of the folder removes what remains in it.
         let _ = std::fs::remove_file(&self.path);
     }
 }
@@ -99,7 +99,7 @@ pub(super) struct OpenStore<'a> {
 }
 
 impl OpenStore<'_> {
-    /// Bytes of some heights, at a row and column.
+    /// Seeks to a row and column. Returns the bytes of `count` heights.
     fn seek(&mut self, row: usize, column: usize, count: usize) -> io::Result<()> {
         let Store {
             columns,
@@ -143,7 +143,7 @@ impl OpenStore<'_> {
         Ok(())
     }
 
-    /// Reads some columns of a row from a column on, round the end of the row to its beginning.
+    /// Reads some columns of a row, wrapping from its end to its beginning.
     pub(super) fn read_round(
         &mut self,
         row: usize,
@@ -159,7 +159,7 @@ impl OpenStore<'_> {
         self.read(row, 0, behind)
     }
 
-    /// Writes heights of a row from a column on. Those kept as whole metres must be that.
+    /// Writes heights of a row from a column on. In integer storage they must be integers.
     pub(super) fn write(
         &mut self,
         row: usize,

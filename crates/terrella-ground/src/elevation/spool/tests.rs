@@ -1,4 +1,4 @@
-//! Windows of spooled heights against grids of the same files, to the last bit.
+//! Compares windows of spooled heights with grids of the same files, to the last bit.
 
 use super::*;
 use crate::elevation::read::HeightFile;
@@ -7,7 +7,7 @@ use image::{ImageBuffer, Luma};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// A host with so many free bytes that stops after so many rows.
+/// A host with a given number of free bytes that stops after a given number of rows.
 struct Host {
     free: Option<u64>,
     rows: AtomicU32,
@@ -36,11 +36,11 @@ impl SpoolHost for Host {
     }
 }
 
-/// Where a file lies and what it holds.
+/// Georeference and contents of a file.
 struct Case {
     size: (u32, u32),
     place: &'static str,
-    /// Metres a step; whole ones or not.
+    /// Metres per step, integer or not.
     scale: f64,
     /// Whether a sample has no data.
     is_hole: fn(u32, u32) -> bool,
@@ -85,7 +85,7 @@ fn holes(x: u32, y: u32) -> bool {
         || y > 88 && x < 100
 }
 
-/// Places inside the bounds, their corners, and those of samples among them.
+/// Places inside the bounds, including corners and samples.
 fn places(bounds: &Bounds) -> Vec<(f64, f64)> {
     let mut places = Vec::new();
     for n in 0..=24 {
@@ -135,7 +135,8 @@ fn spool(path: &Path, dir: &Path) -> HeightSpool {
     HeightSpool::read(path, &dir.join("spool"), None, &Host::patient()).expect("reads")
 }
 
-/// Compares them everywhere; how many places had a height, and how many of those counted in part.
+/// Compares them everywhere. Returns how many places had a height, and how many of those had a
+/// partial weight.
 #[track_caller]
 fn compare(file: &HeightFile, spool: &HeightSpool) -> (u32, u32) {
     let (grid, stats) = (&file.grid, file.grid.stats());
@@ -220,7 +221,7 @@ fn windows_answer_what_grids_answer() {
     assert!(seen[0] > 100_000 && seen[1] > 10_000, "{seen:?}");
 }
 
-/// One height, with holes that are filled and with holes that are left.
+/// A single height, with filled and with unfilled holes.
 #[test]
 fn flat_files_have_no_more_detail_than_their_edge() {
     let small = |x: u32, y: u32| x.is_multiple_of(9) && y.is_multiple_of(9);
@@ -245,7 +246,7 @@ fn flat_files_have_no_more_detail_than_their_edge() {
     }
 }
 
-/// Tiles and strips, floats and whole numbers, the southern row first, records of NetCDF.
+/// Tiles and strips, floats and integers, the southern row first, records of NetCDF.
 #[test]
 fn files_of_all_formats_are_spooled() {
     let data = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("tests/data/heights");
@@ -264,7 +265,7 @@ fn files_of_all_formats_are_spooled() {
                 compare(&file, &spool);
                 count += 1;
             }
-            // What one rejects the other rejects.
+            // Both reject the same files.
             (Err(a), Err(SpoolError::Heights(b))) => assert_eq!(a.to_string(), b.to_string()),
             (a, b) => panic!("{}: {:?} and {:?}", path.display(), a.err(), b.err()),
         }
@@ -297,7 +298,7 @@ fn what_cannot_be_spooled_is_told_and_nothing_stays() {
         format!("unit = \"metres\"\nnodata = 65535\n{GLOBE}\nregistration = \"cells\"\n"),
     )
     .expect("writable");
-    // 2 bytes a sample, and 4 for each mean.
+    // 2 bytes per sample, and 4 per mean.
     assert!(read(Some(2 * 161 * 97), 1000).is_ok());
     let error = read(Some(2 * 161 * 97 - 1), 1000).expect_err("no room");
     assert!(
@@ -321,7 +322,7 @@ fn what_cannot_be_spooled_is_told_and_nothing_stays() {
         matches!(error, SpoolError::Heights(HeightFileError::Damaged { .. })),
         "{error}"
     );
-    // No data, and heights that no ground has.
+    // No data, and heights outside the Earth's range.
     for (value, is_empty) in [(65_535, true), (60_000, false)] {
         let image: ImageBuffer<Luma<u16>, _> = ImageBuffer::from_pixel(161, 97, Luma([value]));
         image.save(&path).expect("writable");
@@ -336,7 +337,7 @@ fn what_cannot_be_spooled_is_told_and_nothing_stays() {
     assert_eq!(names.count(), 2, "scratch files stay");
 }
 
-/// Ten thousand files of a degree are looked at and joined by their headers alone.
+/// Ten thousand files of a degree are inspected and joined by their headers alone.
 #[test]
 fn many_files_are_looked_at_in_seconds() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -350,7 +351,7 @@ fn many_files_are_looked_at_in_seconds() {
             sign(lon, ['E', 'W']),
             lon.abs()
         );
-        // Sparse: it has no blocks.
+        // A sparse file without blocks.
         let file = std::fs::File::create(folder.path().join(name)).expect("made");
         file.set_len(2 * 1201 * 1201).expect("grows");
     }
@@ -364,10 +365,10 @@ fn many_files_are_looked_at_in_seconds() {
         "10 000 files of a degree opened in {:.1} s",
         took.as_secs_f64()
     );
-    // Were each compared with each, it would be many times more.
+    // Comparing each with each would take many times longer.
     assert!(took.as_secs_f64() < 20.0, "{took:?}");
     assert_eq!((files.len(), joins.len()), (10_000, 10_000));
-    // In the middle of all, on a seam, the upper one answers alone.
+    // In the middle of all, on a seam, only the upper one counts.
     let inside: Vec<_> = placements
         .iter()
         .zip(&joins)

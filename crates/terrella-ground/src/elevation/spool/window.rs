@@ -15,14 +15,15 @@ const MORE: f64 = 2.0;
 /// The heights of a file inside some bounds.
 pub struct HeightWindow<'a> {
     spool: &'a HeightSpool,
-    /// One, or two where the bounds hold both ends of the rows; none where all heights are the same.
+    /// One piece, or two if the bounds contain both ends of the rows; none if all heights are the
+    /// same.
     pieces: Vec<Piece>,
-    /// All of them, and the poles, are wholly believed.
+    /// Whether all samples and the poles have full confidence.
     is_sure: bool,
 }
 
 impl HeightSpool {
-    /// Reads what is needed to say the heights of places inside the bounds.
+    /// Reads the data needed for heights of places inside the bounds.
     pub fn window(&self, bounds: &Bounds) -> Result<HeightWindow<'_>, SpoolError> {
         let mut pieces = Vec::new();
         if self.uniform_m.is_none() {
@@ -50,7 +51,7 @@ impl HeightSpool {
         first..end.max(first + 1)
     }
 
-    /// First column and number of columns of each piece. Of a file that goes round, they may go on at its first column.
+    /// First column and column count of each piece. In a periodic file they may wrap to its first column.
     fn columns_of(&self, bounds: &Bounds) -> Vec<(usize, usize)> {
         let lattice = &self.place.lattice;
         let all = lattice.columns;
@@ -66,7 +67,7 @@ impl HeightSpool {
         let east_of_west = (bounds.west_rad - lattice.west_rad).rem_euclid(TAU);
         let west = east_of_west / lattice.lon_step_rad - MORE;
         let turn = TAU / lattice.lon_step_rad;
-        // As they are, and a turn farther east: there the file begins again.
+        // Once unchanged, and once 360° farther east, where the file begins again.
         let pieces = [west, west - turn].map(|west| {
             let first = west.max(0.0).floor();
             let end = (west + width).ceil().min((all - 1) as f64) + 1.0;
@@ -79,7 +80,8 @@ impl HeightSpool {
 }
 
 impl HeightWindow<'_> {
-    /// Height and weight of a place inside the bounds, as of a grid at its finest spacing; no height where the weight is 0.
+    /// Height and weight at a place inside the bounds, as a grid returns at its finest spacing. No height where the weight
+    /// is 0.
     #[inline]
     pub fn weighted(&self, lat_rad: f64, lon_rad: f64, joins: &Joins) -> Option<(f64, f64)> {
         let HeightSpool {
@@ -116,7 +118,7 @@ impl HeightWindow<'_> {
         (weight > 0.0).then(|| (height_m(), weight))
     }
 
-    /// The piece that holds a sample, and the sample's number there.
+    /// The piece that contains a sample, and the sample's index there.
     #[inline]
     fn at(&self, row: usize, column: usize) -> (&Piece, usize) {
         match self.pieces.as_slice() {
@@ -133,12 +135,12 @@ pub(super) struct Piece {
     columns: usize,
     all_columns: usize,
     pub heights_m: Vec<f32>,
-    /// How far each is believed, 0…255; nothing where all are.
+    /// Confidence of each sample, 0…255; `None` if all have full confidence.
     pub believed: Option<Vec<u8>>,
 }
 
 impl Piece {
-    /// With holes filled and poles made one, as a grid holds them.
+    /// Reads rows with filled holes and uniform poles, as in a grid.
     fn read(
         spool: &HeightSpool,
         rows: Range<usize>,
@@ -162,7 +164,7 @@ impl Piece {
         Ok(piece)
     }
 
-    /// With holes filled.
+    /// Reads rows with filled holes.
     pub(super) fn filled(
         spool: &HeightSpool,
         rows: Range<usize>,
@@ -173,7 +175,7 @@ impl Piece {
         let Some((coarse_shape, coarse_store)) = &spool.means else {
             return Self::raw(&spool.store, shape, rows, (first_column, columns));
         };
-        // Data so far away still count.
+        // Data this far away still count.
         let margin = usize::from(LEFT);
         let more_rows = rows.start.saturating_sub(margin)..(rows.end + margin).min(shape.rows);
         let (west, more_columns) = match shape.is_periodic {
@@ -220,7 +222,7 @@ impl Piece {
         Ok(piece)
     }
 
-    /// As they are stored.
+    /// Reads rows as stored.
     fn raw(
         store: &Store,
         shape: &LevelShape,
@@ -242,7 +244,8 @@ impl Piece {
         })
     }
 
-    /// Whole metres where the file has no others: heights of holes and poles are others.
+    /// Rounds to integer metres if the file has only those; filled holes and poles may be
+    /// fractional.
     pub(super) fn round(&mut self, spool: &HeightSpool) {
         if spool.is_whole {
             for height_m in &mut self.heights_m {
@@ -251,7 +254,7 @@ impl Piece {
         }
     }
 
-    /// Rows and columns of its samples in their order.
+    /// Rows and columns of its samples in order.
     fn samples(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
         let (first, columns, all) = (self.first_column, self.columns, self.all_columns);
         let of_row = move |row| (first..first + columns).map(move |n| (row, n % all));
@@ -278,14 +281,14 @@ impl Piece {
     }
 }
 
-/// What the holes of a piece are filled from.
+/// The coarser piece from which the holes of a piece are filled.
 fn coarse_piece(
     shape: &LevelShape,
     coarse: &LevelShape,
     store: &Store,
     piece: &Piece,
 ) -> Result<Piece, SpoolError> {
-    // The finest level's own rows and columns.
+    // Rows and columns of the finest level.
     let (first, last) = (piece.rows.start as f64, (piece.rows.end - 1) as f64);
     let (west, east) = (
         piece.first_column as f64,

@@ -1,4 +1,4 @@
-//! Which tiles are asked for, loaded, in memory and given up: a state machine without threads or a clock.
+//! Requests, loads, resident tiles and eviction: a state machine without threads or a clock.
 
 use super::StreamedGroundError;
 use super::viewer::EyePlace;
@@ -12,49 +12,49 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 
-/// A tile is given up for another only if that one shows so many times more.
+/// A tile is evicted for another only if the other appears this many times larger.
 const WORTH: f64 = 1.5;
 
-/// Most tiles whose coarser ones are looked for in a frame.
+/// Maximum tiles per frame whose coarser ancestors are searched.
 const CHAINS: usize = 512;
 
-/// Changes that are remembered; who comes later takes everything for changed.
+/// Number of remembered changes; for older versions everything counts as changed.
 const REMEMBERED: usize = 256;
 
-/// The key of a place in the table that holds no tile.
+/// The key of an empty node.
 const NOWHERE: HeightTileKey = HeightTileKey {
     level: 0,
     column: u32::MAX,
     row: u32::MAX,
 };
 
-/// What somebody asked for and is not there.
+/// A request for a tile that is missing.
 #[derive(Clone, Copy, Debug)]
 struct Request {
-    /// Only as the finest that there is: whether it shows is for the eyes to say.
+    /// Requested only as the finest data: the eyes decide whether it is visible.
     is_any: bool,
-    /// It has been loaded and waits to be taken in.
+    /// Loaded and waiting to be accepted.
     has_come: bool,
 }
 
-/// The state.
+/// State of the cache.
 pub(super) struct HeightCache {
     pyramid: Arc<TilePyramid>,
     free: Vec<u32>,
     budget_bytes: u64,
-    /// Of tiles in memory.
+    /// Bytes of tiles in memory.
     bytes: u64,
     tiles: u32,
-    /// The most that a tile has taken so far.
+    /// Largest tile so far, bytes.
     tile_bytes: u64,
     requests: BTreeMap<HeightTileKey, Request>,
-    /// What shall be loaded, most lacking first.
+    /// Tiles to load, the most visible first.
     queue: Vec<HeightTileKey>,
-    /// Requests that there is no room for.
+    /// Requests without room.
     rejected: Vec<HeightTileKey>,
     arrived: Vec<HeldTile>,
     failed: BTreeSet<HeightTileKey>,
-    /// Requests may hang on tiles that will not come.
+    /// Whether requests may depend on tiles that will not load.
     has_lost: bool,
     version: u64,
     log: VecDeque<(u64, HeightChange)>,
@@ -118,17 +118,17 @@ impl HeightCache {
         })
     }
 
-    /// The tiles of now.
+    /// The current tiles.
     pub fn pyramid(&self) -> &Arc<TilePyramid> {
         &self.pyramid
     }
 
-    /// Grows with each change of heights.
+    /// Increases with each change of heights.
     pub fn version(&self) -> u64 {
         self.version
     }
 
-    /// What has changed since a version; `None` where that is too long ago to know.
+    /// Changes since a version; `None` if that is too long ago.
     pub fn changes_since(&self, version: u64) -> Option<Vec<HeightChange>> {
         let is_known = self.version - version.min(self.version) <= self.log.len() as u64;
         is_known.then(|| {
@@ -137,7 +137,7 @@ impl HeightCache {
         })
     }
 
-    /// Takes a finished load.
+    /// Records a finished load.
     pub fn finish(&mut self, key: HeightTileKey, result: Result<HeldTile, HeightTileError>) {
         self.queue.retain(|queued| *queued != key);
         match result {
@@ -158,10 +158,10 @@ impl HeightCache {
         }
     }
 
-    /// Lets heights change: at most so many of the tiles that have come are taken in, and others given up for them.
+    /// Changes the heights: accepts at most `most` loaded tiles, and evicts others for them.
     pub fn take_over(&mut self, eyes: &[EyePlace], most: usize) {
         let layout = self.pyramid.layout;
-        // Coarse ones first: finer ones hang below them.
+        // Coarse tiles first: finer ones attach below them.
         self.arrived.sort_unstable_by_key(|tile| {
             let HeightTileKey { level, column, row } = tile.key;
             (level, std::cmp::Reverse((row, column)))
@@ -177,7 +177,7 @@ impl HeightCache {
             let parent = self.pyramid.find(key.parent());
             let (Some(parent), None) = (parent, self.pyramid.find(key)) else {
                 if parent.is_none() && self.requests.contains_key(&key.parent()) {
-                    // What it hangs below is still on its way.
+                    // Its parent is still loading.
                     early.push(tile);
                 } else {
                     self.requests.remove(&key);
@@ -192,7 +192,7 @@ impl HeightCache {
                 let Some((_, victim)) = victims.pop().filter(|v| v.0 * WORTH < worth) else {
                     break;
                 };
-                // It may have been given a quarter meanwhile.
+                // It may have received a child in the meantime.
                 if victim != parent && self.is_leaf(victim) {
                     self.remove(victim);
                 }
@@ -208,7 +208,7 @@ impl HeightCache {
         self.arrived.append(&mut early);
     }
 
-    /// Tiles that could be given up, what shows least last.
+    /// Tiles that may be evicted, the least visible last.
     fn victims(&self, eyes: &[EyePlace]) -> Vec<(f64, u32)> {
         let nodes = (0..).zip(&self.pyramid.nodes);
         let leaves = nodes.filter(|(index, _)| self.is_leaf(*index));
@@ -225,7 +225,7 @@ impl HeightCache {
         node.tile.is_some() && node.children == [NONE; 4]
     }
 
-    /// Finds what shall be loaded.
+    /// Plans the loads.
     pub fn plan(&mut self, eyes: &[EyePlace]) {
         self.pyramid.wants.look(eyes.iter().map(EyePlace::near));
         self.note_wants();
@@ -239,7 +239,7 @@ impl HeightCache {
                 wanted.push((worth, *key));
             }
         }
-        // A tile is seen at least twice as large as those beneath it, so it comes before them.
+        // A tile appears at least twice as large as its children, so it precedes them.
         wanted.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(b.1.cmp(&a.1)));
         let free_bytes = self.budget_bytes.saturating_sub(self.bytes);
         let free = free_bytes / self.tile_bytes.max(1);
@@ -260,7 +260,7 @@ impl HeightCache {
         }
     }
 
-    /// Takes over what surfaces have noted: the next finer tile of one that is there, and those beneath, down to what was asked for.
+    /// Collects the requests of surfaces: the next finer tile below a resident one, and its descendants down to the request.
     fn note_wants(&mut self) {
         self.forget_lost();
         let Self {
@@ -278,7 +278,7 @@ impl HeightCache {
         };
         if pyramid.has_wants.swap(false, Ordering::Relaxed) {
             for node in &pyramid.nodes {
-                // They stay set while the tile is on its way, so that nobody notes it again and again.
+                // The bits stay set while the tile loads, so that no reader records it again.
                 let bits = node.wanted.load(Ordering::Relaxed);
                 for quarter in 0..4 {
                     let (own, any) = (bits >> quarter & 1 == 1, bits >> (quarter + 4) & 1 == 1);
@@ -309,12 +309,13 @@ impl HeightCache {
         });
     }
 
-    /// Forgets requests beneath tiles that are neither there nor asked for: they are asked for again when those have come.
+    /// Drops requests below tiles that are neither resident nor requested. They are requested again once those tiles are
+    /// loaded.
     fn forget_lost(&mut self) {
         if !std::mem::take(&mut self.has_lost) {
             return;
         }
-        // Coarse ones first: finer ones hang on them.
+        // Coarse tiles first: finer ones depend on them.
         let all: Vec<_> = self.requests.keys().rev().copied().collect();
         for key in all {
             let parent = key.parent();
@@ -324,22 +325,22 @@ impl HeightCache {
         }
     }
 
-    /// What shall be loaded, most lacking first.
+    /// Tiles to load, the most visible first.
     pub fn queue(&self) -> &[HeightTileKey] {
         &self.queue
     }
 
-    /// Whether something has been asked for since [`Self::plan`].
+    /// Whether requests arrived since [`Self::plan`].
     pub fn has_wants(&self) -> bool {
         self.pyramid.has_wants.load(Ordering::Relaxed) || self.pyramid.wants.has_any()
     }
 
-    /// Whether loaded tiles wait to be taken in.
+    /// Whether loaded tiles wait to be accepted.
     pub fn has_arrivals(&self) -> bool {
         !self.arrived.is_empty()
     }
 
-    /// Tiles that were asked for and that there is no room for, that could not be read, or that have not come yet.
+    /// Requested tiles that have no room, could not be read, or are still loading.
     pub fn missing(&self) -> Vec<HeightTileKey> {
         let all = self.queue.iter().chain(&self.rejected).chain(&self.failed);
         all.copied().collect()
@@ -380,7 +381,7 @@ impl HeightCache {
             }
         };
         pyramid.nodes[parent as usize].children[key.quarter()] = index;
-        // Whoever has noted it has it.
+        // Clears requests that are now satisfied.
         let noted = !(0b1_0001 << key.quarter());
         pyramid.nodes[parent as usize]
             .wanted
@@ -407,7 +408,7 @@ impl HeightCache {
         };
         let parent = pyramid.nodes[index as usize].parent;
         pyramid.nodes[parent as usize].children[key.quarter()] = NONE;
-        // No place lies in what is no more, and nothing is above it.
+        // A removed node matches no place and has no parent.
         pyramid.nodes[index as usize].key = NOWHERE;
         pyramid.nodes[index as usize].parent = NONE;
         for (bit, (east, south)) in BESIDE.into_iter().enumerate() {
@@ -423,12 +424,12 @@ impl HeightCache {
         self.log(key, tile.range);
     }
 
-    /// The tiles, to be changed: those that somebody draws with stay as they are.
+    /// Mutable access to the tiles; snapshots in use stay unchanged.
     fn changed(&mut self) -> &mut TilePyramid {
         Arc::make_mut(&mut self.pyramid)
     }
 
-    /// Notes where heights are others now: in the tile, and where those beside it go over into coarser ones before it.
+    /// Records where heights changed: in the tile, and where its neighbours' blend into coarser tiles changed.
     fn log(&mut self, key: HeightTileKey, range: HeightRange) {
         let layout = &self.pyramid.layout;
         let own = layout.bounds(key);
@@ -455,12 +456,12 @@ impl HeightCache {
     }
 }
 
-/// How large the samples that stand in for a tile are seen, radians: of the eyes' most.
+/// Apparent size of the samples of a tile's stand-in, radians: the maximum over all eyes.
 fn value(layout: &HeightTileLayout, key: HeightTileKey, eyes: &[EyePlace]) -> f64 {
     seen(layout, key, eyes).0
 }
 
-/// The same, and whether some eye sees them larger than the ground may be off.
+/// The same, and whether it exceeds the tolerance of some eye.
 fn seen(layout: &HeightTileLayout, key: HeightTileKey, eyes: &[EyePlace]) -> (f64, bool) {
     let spacing_rad = layout.spacing_rad(key.level + 1);
     if eyes.is_empty() {
@@ -503,7 +504,7 @@ fn node(
     node
 }
 
-/// The coarsest level as one grid.
+/// Reads the coarsest level as one grid.
 fn read_base(
     source: &dyn HeightTileSource,
     layout: &HeightTileLayout,
@@ -530,7 +531,7 @@ fn read_base(
                 row: tile_row,
             };
             let samples = source.read(key, &|| false)?;
-            // Checks what was read, and only that.
+            // Validates only the tile just read.
             let samples = HeldTile::new(key, layout, samples)?;
             for j in 0..side {
                 let start = (tile_row as usize * side + j) * columns + tile_column as usize * side;

@@ -1,6 +1,6 @@
-//! Loader threads, and what they share with who draws.
+//! Loader threads, and the state that they share with the renderer.
 //!
-//! Who draws only tries the mutex: where a thread of low priority was put to sleep inside, the frame goes on and comes back the next time.
+//! The renderer only tries the mutex. If a low-priority thread was suspended inside, the frame continues and retries later.
 
 use crate::elevation::tiles::HeldTile;
 use crate::elevation::{HeightTileError, HeightTileKey, HeightTileLayout, HeightTileSource};
@@ -10,10 +10,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use terrella_files::loaders::{LoadQueue, Loaders};
 
-/// Loaded tiles that may wait to be taken in; threads rest meanwhile.
+/// Maximum loaded tiles that wait to be accepted; threads pause meanwhile.
 const MOST_WAITING: usize = 32;
 
-/// A tile as a thread has left it.
+/// Result of a load.
 pub(super) type Loaded = (HeightTileKey, Result<HeldTile, HeightTileError>);
 
 pub(super) struct HeightLoader {
@@ -25,21 +25,21 @@ struct HeightReads {
     source: Arc<dyn HeightTileSource>,
     layout: HeightTileLayout,
     queue: LoadQueue<Work>,
-    /// Each thread's load is not wanted any more.
+    /// Whether each thread's load was cancelled.
     cancelled: Vec<AtomicBool>,
 }
 
 #[derive(Default)]
 struct Work {
-    /// The most lacking last.
+    /// The most urgent last.
     queue: Vec<HeightTileKey>,
-    /// What each thread loads.
+    /// The tile that each thread is loading.
     loading: Vec<Option<HeightTileKey>>,
     finished: Vec<Loaded>,
 }
 
 impl HeightLoader {
-    /// Starts the threads. Where the system cannot start one, the others do its work.
+    /// Starts the threads. If the system cannot start one, the others do its work.
     pub fn new(source: Arc<dyn HeightTileSource>, threads: usize) -> Self {
         let work = Work {
             loading: vec![None; threads],
@@ -58,7 +58,7 @@ impl HeightLoader {
         Self { reads, threads }
     }
 
-    /// Takes what has been loaded, if the list is free just now. Never waits.
+    /// Takes loaded tiles if the list is unlocked. Never waits.
     pub fn collect(&self) -> Vec<Loaded> {
         let work = self.reads.queue.try_lock();
         work.map_or_else(Vec::new, |mut work| {
@@ -69,8 +69,8 @@ impl HeightLoader {
         })
     }
 
-    /// Hands over what shall be loaded, most lacking first; loads that are not among it are given up. Never waits: false
-    /// where the list is not free just now.
+    /// Sets the tiles to load, the most urgent first; loads that are not among them are cancelled. Never waits: returns
+    /// false if the list is locked.
     pub fn hand_over(&self, queue: &[HeightTileKey]) -> bool {
         let Some(mut work) = self.reads.queue.try_lock() else {
             return false;
@@ -96,7 +96,7 @@ impl HeightLoader {
         true
     }
 
-    /// Whether nothing is being loaded, or waits to be taken.
+    /// Whether nothing is loading or waiting to be taken.
     pub fn is_idle(&self) -> bool {
         let work = self.reads.queue.lock();
         work.finished.is_empty()
@@ -104,7 +104,7 @@ impl HeightLoader {
             && work.loading.iter().all(Option::is_none)
     }
 
-    /// Waits until a load has ended, or for so long.
+    /// Waits until a load has ended, at most for the timeout.
     pub fn wait(&self, timeout: Duration) {
         if self.threads.is_empty() {
             return;
@@ -145,7 +145,7 @@ impl HeightReads {
     fn load(&self, key: HeightTileKey, worker: usize) -> Result<HeldTile, HeightTileError> {
         let is_cancelled =
             || self.queue.is_stopped() || self.cancelled[worker].load(Ordering::Relaxed);
-        // A source that panics half-way may be left in disorder; what it gives is checked each time.
+        // A source that panics may be in an inconsistent state; each result is validated.
         let read = catch_unwind(AssertUnwindSafe(|| self.source.read(key, &is_cancelled)));
         let samples = read.unwrap_or_else(|_| {
             Err(HeightTileError::Unsound {

@@ -1,4 +1,4 @@
-//! A source of tiles for tests: in memory, sparse, with means as they must be, as slow as a test says.
+//! A tile source for tests: in memory, sparse, with correct means, and as slow as a test requests.
 
 use crate::elevation::{
     Bounds, Georeference, GridLimits, HeightGrid, HeightRange, HeightSamples, HeightTileError,
@@ -10,17 +10,17 @@ use std::time::Duration;
 
 pub(crate) struct TestTiles {
     layout: HeightTileLayout,
-    /// By level, the heights of all samples, row by row.
+    /// Heights of all samples by level, row by row.
     levels: Vec<Vec<f32>>,
     ranges: BTreeMap<HeightTileKey, HeightRange>,
-    /// Reads below the coarsest level that may still end; the others wait.
+    /// Number of reads below the coarsest level that may complete; the others wait.
     permits: AtomicI64,
-    /// Reads below the coarsest level that have ended.
+    /// Number of completed reads below the coarsest level.
     pub reads: AtomicUsize,
 }
 
 impl TestTiles {
-    /// Rough ground, in tiles of `side` samples, of which those of `is_present` exist below the coarsest level (and those over them).
+    /// Rough ground in tiles of `side` samples. Below the coarsest level, only tiles with `is_present` and their ancestors exist.
     pub fn new(levels: u8, side: u32, is_present: impl Fn(HeightTileKey) -> bool) -> Self {
         let layout = HeightTileLayout::new(levels, 16, side, 1).expect("sound");
         let size = |level: u8| {
@@ -86,23 +86,23 @@ impl TestTiles {
         tiles
     }
 
-    /// No read ends until [`Self::allow`] says so.
+    /// Blocks all reads until [`Self::allow`].
     pub fn gated(self) -> Self {
         self.permits.store(0, Ordering::SeqCst);
         self
     }
 
-    /// So many more reads may end.
+    /// Lets this many more reads complete.
     pub fn allow(&self, reads: i64) {
         self.permits.fetch_add(reads, Ordering::SeqCst);
     }
 
-    /// Whether a read may end that has not begun.
+    /// Whether a new read may complete.
     pub fn may_read(&self) -> bool {
         self.permits.load(Ordering::SeqCst) > 0
     }
 
-    /// How many tiles there are below the coarsest level.
+    /// Number of tiles below the coarsest level.
     pub fn count(&self) -> usize {
         let finer = |key: &&HeightTileKey| key.level < self.layout.coarsest();
         self.ranges.keys().filter(finer).count()

@@ -1,4 +1,4 @@
-//! Streamed heights: continuous and in their ranges whatever is there, equal to those of a whole grid once all is.
+//! Streamed heights: continuous and within their ranges in every state, and equal to a whole grid once complete.
 
 use super::test_source::TestTiles;
 use super::*;
@@ -21,7 +21,7 @@ fn streamed(tiles: TestTiles, memory_bytes: u64) -> (Arc<TestTiles>, StreamedGro
     (tiles, ground)
 }
 
-/// Takes in all that was asked for.
+/// Accepts everything requested.
 fn settle(ground: &StreamedGround) {
     let end = Instant::now() + Duration::from_secs(60);
     ground.take_over(usize::MAX);
@@ -32,7 +32,7 @@ fn settle(ground: &StreamedGround) {
     }
 }
 
-/// Asks again and again, as surfaces do where heights have changed, until nothing comes of it.
+/// Repeats requests, as surfaces do where heights changed, until nothing changes.
 fn ask_until_settled(ground: &StreamedGround, ask: &dyn Fn()) {
     for _ in 0..60 {
         let before = ground.counters().changes;
@@ -45,7 +45,7 @@ fn ask_until_settled(ground: &StreamedGround, ask: &dyn Fn()) {
     panic!("tiles take turns: {:?}", ground.counters());
 }
 
-/// Lets one tile come and takes it in; false if none is asked for.
+/// Loads and accepts one tile; false if none is requested.
 fn one_more(tiles: &TestTiles, ground: &StreamedGround) -> bool {
     ground.take_over(usize::MAX);
     if ground.is_settled() {
@@ -59,7 +59,7 @@ fn one_more(tiles: &TestTiles, ground: &StreamedGround) -> bool {
         ground.take_over(1);
         let is_same = ground.counters().changes == before;
         if is_same && ground.cache().has_arrivals() && !tiles.may_read() {
-            // What came hangs below a tile that the other thread waits to read.
+            // The loaded tile needs a parent that the other thread is still reading.
             tiles.allow(1);
         }
     }
@@ -67,7 +67,7 @@ fn one_more(tiles: &TestTiles, ground: &StreamedGround) -> bool {
     true
 }
 
-/// Places all over the Earth, poles, date line and edges of tiles among them.
+/// Places all over the Earth, including poles, date line and edges of tiles.
 fn places(count: u32) -> impl Iterator<Item = (f64, f64)> {
     (0..count).map(move |k| {
         let t = f64::from(k);
@@ -86,7 +86,7 @@ fn places(count: u32) -> impl Iterator<Item = (f64, f64)> {
     })
 }
 
-/// Tiles of a region of Europe below the coarsest levels, and one far away.
+/// Tiles of a region in Europe below the coarsest levels, and one far away.
 fn inset(key: HeightTileKey) -> bool {
     let level = key.level;
     let in_region = |key: HeightTileKey| {
@@ -110,11 +110,11 @@ fn with_everything_there_heights_are_those_of_the_levels() {
     });
     let mut seen = 0;
     for (lat, lon) in places(4000) {
-        // At the finest level the whole grid interpolates between the same samples, but near poles.
+        // At the finest level the whole grid interpolates the same samples, except near poles.
         if lat.abs() < 1.5 {
             let (own, whole) = (ground.height_m(lat, lon, 0.0), grid.height_m(lat, lon, 0.0));
             assert!((own - whole).abs() < 1e-6, "{own} {whole} at {lat} {lon}");
-            // Of spacings in between, between those of the two levels.
+            // Intermediate spacings interpolate between the two levels.
             let fine = layout.spacing_rad(0);
             let [a, b] = [1.0, 2.0].map(|s| ground.height_m(lat, lon, s * fine));
             let mixed = ground.height_m(lat, lon, 1.25 * fine);
@@ -132,7 +132,7 @@ fn with_everything_there_heights_are_those_of_the_levels() {
 fn at_any_time_heights_are_continuous_and_within_their_ranges() {
     let (tiles, ground) = streamed(TestTiles::new(4, 16, inset).gated(), 1 << 30);
     let source = tiles.layout();
-    // The steepest that samples of any level are apart, metres a radian, and that feathers add.
+    // Bound of the slope, metres per radian: the steepest samples of any level, plus the feathers.
     let finest = source.spacing_rad(0);
     let steepest = 2.0 * 9000.0 / finest;
     let check = |step: u32| {
@@ -144,7 +144,7 @@ fn at_any_time_heights_are_continuous_and_within_their_ranges() {
             assert_eq!(height.to_bits(), again.to_bits());
             for (k, away) in [1e-9_f64, 1e-7].into_iter().enumerate() {
                 let way = f64::from(step + n as u32 + k as u32);
-                // A step on the ground, over a pole if it is near.
+                // A step on the ground, across a pole if one is near.
                 let place = Ellipsoid::normal(lat, lon);
                 let aside = place.any_orthonormal_vector();
                 let aside = aside * way.cos() + place.cross(aside) * way.sin();
@@ -157,7 +157,7 @@ fn at_any_time_heights_are_continuous_and_within_their_ranges() {
                     "{height} {there} at {lat} {lon}, {away}"
                 );
             }
-            // At the date line and at the poles places have several names.
+            // At the date line and at the poles places have several coordinates.
             if lat.abs() == FRAC_PI_2 {
                 let other = now.height_m(lat, lon + 1.0, spacing);
                 assert!((other - height).abs() < 1e-6, "{other} {height} at a pole");
@@ -195,7 +195,7 @@ fn at_any_time_heights_are_continuous_and_within_their_ranges() {
     }
     check(steps + 1);
     assert!(steps > 60, "{steps} tiles came");
-    // What was said of the range at first holds at last.
+    // The initial ranges still hold at the end.
     for (around, range) in ever {
         let (lat, lon) = (around.north_rad, around.west_rad + 0.5 * around.width_rad);
         for spacing in [0.0, 2.0 * finest] {
@@ -210,7 +210,7 @@ fn all_levels_over_a_place_are_asked_for_at_once_and_come_in_any_order() {
     for spacing_steps in [0.0, 1.0] {
         let (tiles, ground) = streamed(TestTiles::new(4, 16, |_| true).gated(), 1 << 30);
         let finest = tiles.layout().spacing_rad(0);
-        // In the middle of a tile of the finest level, where it alone counts.
+        // In the middle of a tile of the finest level, where only that tile counts.
         let (lat, lon) = (0.27, 0.1227);
         ground.height_m(lat, lon, spacing_steps * finest);
         ground.take_over(usize::MAX);
@@ -271,7 +271,7 @@ fn what_changes_lies_within_the_changes_that_are_told() {
     let (mut others, mut rounds) = (0, 0);
     while rounds < 150 && one_more(&tiles, &ground) {
         rounds += 1;
-        // The heights of a frame stay as they were.
+        // The heights of a frame stay unchanged.
         assert_eq!(read(&now), before);
         let changes = ground.changes_since(version).expect("not long ago");
         let last = now.clone();
@@ -341,7 +341,7 @@ fn the_budget_holds_and_no_two_tiles_take_turns() {
         "{counters:?}"
     );
     assert!(counters.tiles > 20, "{counters:?}");
-    // The same eye again and again asks for no change.
+    // Repeating the same eye changes nothing.
     let reads = tiles.reads.load(std::sync::atomic::Ordering::SeqCst);
     let version = counters.changes;
     for _ in 0..10 {
@@ -350,7 +350,7 @@ fn the_budget_holds_and_no_two_tiles_take_turns() {
     }
     assert_eq!(ground.counters().changes, version);
     assert_eq!(tiles.reads.load(std::sync::atomic::Ordering::SeqCst), reads);
-    // Near the eye the heights are the finest; where it was before they are given up.
+    // Near the eye the heights are the finest; those near its earlier position are evicted.
     let finest = |lat_deg: f64, lon_deg: f64| {
         let (lat, lon) = (lat_deg.to_radians(), lon_deg.to_radians());
         let whole = tiles.grid().height_m(lat, lon, 0.0);
@@ -375,7 +375,7 @@ fn far_eyes_do_not_ask_for_the_finest() {
     }
     settle(&ground);
     assert_eq!(ground.counters().tiles, 0);
-    // At a spacing of its own a height is asked for wherever the eye is.
+    // A request with an explicit spacing loads regardless of the eye.
     for (lat, lon) in places(2000) {
         ground.height_m(lat, lon, 1e-6);
     }
@@ -384,7 +384,7 @@ fn far_eyes_do_not_ask_for_the_finest() {
     drop(viewer);
 }
 
-/// Of a source that fails.
+/// A source that fails.
 struct Broken(TestTiles);
 
 impl HeightTileSource for Broken {
@@ -523,7 +523,7 @@ fn grids_lie_over_tiles_as_over_grids() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// Whatever is asked for first, and however little memory there is: no jump across any edge of a tile.
+    /// For any request order and any memory limit: no jump across any tile edge.
     #[test]
     fn edges_of_tiles_are_never_steps(seed in 0u64..1000, memory in 50_000u64..600_000) {
         let (tiles, ground) = streamed(TestTiles::new(4, 16, inset), 1_000_000 + memory);

@@ -1,4 +1,4 @@
-//! Where heights are looked at from.
+//! Eye positions of viewers.
 
 use crate::elevation::Bounds;
 use crate::elevation::tiles::NearEye;
@@ -8,24 +8,24 @@ use std::sync::Mutex;
 use terrella_files::loaders::lock;
 use terrella_frames::{Ellipsoid, Geodetic};
 
-/// Mean radius of the Earth, metres: good enough to say what is near.
+/// Mean radius of the Earth, metres: accurate enough for distances.
 const RADIUS_M: f64 = 6_371_000.0;
 
-/// Nothing is taken for nearer than this, metres.
+/// Minimum distance, metres.
 const NEAREST_M: f64 = 1.0;
 
-/// Ground may stand as high, metres: it is as near as if it did.
+/// Assumed maximum height of the ground, metres; distances are measured to it.
 const GROUND_M: f64 = 6000.0;
 
-/// An eye, and how exactly it looks.
+/// An eye with its angular tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeightEye {
     pub eye_itrf_m: DVec3,
-    /// Samples that are seen smaller need not be finer, radians.
+    /// Samples that appear smaller than this need no refinement, radians.
     pub tolerance_rad: f64,
 }
 
-/// An eye and its place.
+/// An eye and its geodetic position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct EyePlace {
     eye: HeightEye,
@@ -33,7 +33,7 @@ pub(super) struct EyePlace {
 }
 
 impl EyePlace {
-    /// `None` of what is no place.
+    /// `None` for an invalid position.
     pub fn from(eye: HeightEye) -> Option<Self> {
         let is_sound = eye.eye_itrf_m.is_finite()
             && eye.eye_itrf_m.length() > 1.0
@@ -47,7 +47,7 @@ impl EyePlace {
         self.eye.tolerance_rad
     }
 
-    /// As whoever reads heights knows it.
+    /// The eye as readers of heights use it.
     pub fn near(&self) -> NearEye {
         NearEye {
             lat_rad: self.place.lat_rad,
@@ -57,7 +57,8 @@ impl EyePlace {
         }
     }
 
-    /// How large the angle `spacing_rad` at the Earth's centre is seen where the bounds are nearest, radians.
+    /// Apparent size of the angle `spacing_rad` at the Earth's centre, at the nearest place of the bounds,
+    /// radians.
     pub fn seen_rad(&self, bounds: &Bounds, spacing_rad: f64) -> f64 {
         let half_rad = 0.5 * bounds.width_rad;
         let middle_rad = bounds.west_rad + half_rad;
@@ -71,12 +72,12 @@ impl EyePlace {
     }
 }
 
-/// A place that heights are looked at from, held by who looks.
+/// Position of a viewer, held by that viewer.
 #[derive(Debug, Default)]
 pub struct HeightViewer(Mutex<Option<EyePlace>>);
 
 impl HeightViewer {
-    /// Looks from here from now on; what is no place is nobody.
+    /// Sets the eye. An invalid position counts as no viewer.
     pub fn look(&self, eye: HeightEye) {
         *lock(&self.0) = EyePlace::from(eye);
     }

@@ -1,19 +1,19 @@
-//! A strip or tile as a file of its own: an image of one uncompressed or compressed strip, which the decoder takes like any other.
+//! A strip or tile as a separate file: a single-strip image that the decoder reads like any other.
 
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::{TiffResult, tags::CompressionMethod};
 
-/// Bytes of the header, and of one entry of a directory.
+/// Bytes of the header, and of a directory entry.
 const HEADER_BYTES: u32 = 8;
 const ENTRY_BYTES: u32 = 12;
 
-/// How the samples of a strip or tile are stored.
+/// Storage format of a strip or tile.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::elevation) struct Alone {
     /// Pixels of a row, and rows.
     pub columns: u32,
     pub rows: u32,
-    /// Samples of a pixel, and bits of one.
+    /// Samples per pixel, and bits per sample.
     pub samples: u16,
     pub bits: u16,
     /// TIFF's `SampleFormat`, `Compression` and `Predictor`.
@@ -32,7 +32,7 @@ impl Alone {
         }
     }
 
-    /// The same as bytes, where samples share them.
+    /// The same as bytes, for samples that share them.
     pub fn of_bytes(self) -> Self {
         Self {
             columns: u32::try_from(self.row_bytes()).unwrap_or(u32::MAX),
@@ -43,10 +43,10 @@ impl Alone {
         }
     }
 
-    /// Bytes of a row, as samples are stored.
+    /// Bytes per stored row.
     pub fn row_bytes(&self) -> usize {
         let bits = u64::from(self.columns) * u64::from(self.samples) * u64::from(self.bits);
-        // A row of more cannot be held anyway.
+        // A longer row would not fit into memory anyway.
         usize::try_from(bits.div_ceil(8)).unwrap_or(usize::MAX)
     }
 
@@ -55,7 +55,7 @@ impl Alone {
         self.row_bytes().saturating_mul(self.rows as usize)
     }
 
-    /// Decodes its data, and allocates as many bytes as it has and no more than the data beside them.
+    /// Decodes the data. Allocates the decoded size, and at most the data's size besides.
     pub fn decode(&self, data: &[u8]) -> TiffResult<DecodingResult> {
         let mut limits = Limits::default();
         limits.decoding_buffer_size = self.bytes();
@@ -65,7 +65,7 @@ impl Alone {
     }
 
     fn file(&self, data: &[u8]) -> Vec<u8> {
-        // Checked by callers to be below 2^29.
+        // Callers check that it is below 2^29.
         let length = data.len() as u32;
         let entries = |strip_at: u32| {
             [
@@ -73,7 +73,7 @@ impl Alone {
                 (257, self.rows),
                 (258, u32::from(self.bits)),
                 (259, u32::from(self.compression)),
-                // Counted from black.
+                // Values count from black.
                 (262, 1),
                 (273, strip_at),
                 (277, u32::from(self.samples)),

@@ -6,7 +6,7 @@
 //! | `bits.rs` | packed whole numbers |
 //! | `huffman.rs` | codes of bytes |
 //!
-//! A blob has a header, a mask of pixels that hold something, and blocks of pixels: offsets from a block's lowest value in steps of
+//! A blob has a header, a mask of valid pixels, and blocks of pixels. A block stores offsets from its lowest value in steps of
 //! twice the error. The lossless floats of LERC 4 (`FPL`), which libtiff never writes, are rejected.
 
 mod bits;
@@ -15,10 +15,10 @@ mod huffman;
 use bits::{Bytes, Words};
 use huffman::Codes;
 
-/// Versions that are read.
+/// Supported versions.
 const VERSIONS: std::ops::RangeInclusive<i32> = 3..=6;
 
-/// Bytes of a blob before those that its checksum covers.
+/// Bytes of a blob before the range of its checksum.
 const UNCHECKED_BYTES: usize = 14;
 
 /// Why a blob cannot be decoded.
@@ -32,10 +32,10 @@ pub(super) enum LercError {
 
 /// A sample of a raster.
 pub(super) trait Sample: Copy + Default + PartialOrd + 'static {
-    /// Its number among LERC's types.
+    /// Its number in LERC's list of types.
     const TYPE: i32;
     const BYTES: usize;
-    /// As C converts.
+    /// Converts as C does.
     fn of(value: f64) -> Self;
     fn get(self) -> f64;
     fn read(bytes: &[u8]) -> Self;
@@ -67,11 +67,11 @@ samples! {
 
 /// A decoded raster.
 pub(super) struct Raster<T> {
-    /// Samples of a pixel.
+    /// Samples per pixel.
     pub depth: usize,
-    /// By pixel, row by row; those of masked pixels are 0.
+    /// By pixel, row by row; samples of masked pixels are 0.
     pub samples: Vec<T>,
-    /// Which pixels hold something, where not all do.
+    /// Which pixels are valid, if not all.
     pub is_there: Option<Vec<bool>>,
 }
 
@@ -88,7 +88,7 @@ struct Header {
 }
 
 impl Header {
-    /// Reads and checks a header, and leaves the bytes behind it to the end of the blob.
+    /// Reads and checks a header. `bytes` then holds the rest of the blob.
     fn read<T: Sample>(bytes: &mut Bytes<'_>, size: (usize, usize)) -> Result<Self, LercError> {
         let blob = bytes.0;
         if bytes.take(6)? != b"Lerc2 " {
@@ -107,7 +107,7 @@ impl Header {
         let (valid, block_side) = (bytes.i32()?, bytes.i32()?);
         let (blob_bytes, kind) = (bytes.i32()?, bytes.i32()?);
         if version >= 6 {
-            // Further blobs, whether a number stands for nothing, whether all are whole, two reserved.
+            // Further blobs, a flag for a no-data value, a flag for integers, two reserved bytes.
             bytes.take(8)?;
         }
         let (max_error, lowest, highest) = (bytes.f64()?, bytes.f64()?, bytes.f64()?);
@@ -167,11 +167,11 @@ fn fletcher32(bytes: &[u8]) -> u32 {
     fold(sum2) << 16 | fold(sum1)
 }
 
-/// Decodes the first blob of these bytes, which must have this size, columns by rows. Allocates as many samples and no more than twice
-/// their bytes beside them.
+/// Decodes the first blob of these bytes. It must have this size, columns by rows. Allocates the samples, and at most twice their
+/// bytes besides.
 ///
 /// # Errors
-/// [`LercError`] for damaged data and for what is not read.
+/// [`LercError`] for damaged data and for unsupported features.
 pub(super) fn decode<T: Sample>(data: &[u8], size: (usize, usize)) -> Result<Raster<T>, LercError> {
     let mut bytes = Bytes(data);
     let header = Header::read::<T>(&mut bytes, size)?;
@@ -192,7 +192,7 @@ pub(super) fn decode<T: Sample>(data: &[u8], size: (usize, usize)) -> Result<Ras
     Ok(blob.raster)
 }
 
-/// Which pixels hold something.
+/// Which pixels are valid.
 fn mask(bytes: &mut Bytes<'_>, header: &Header) -> Result<Vec<bool>, LercError> {
     let pixels = header.columns * header.rows;
     let length = usize::try_from(bytes.i32()?).map_err(|_| LercError::Damaged("a mask"))?;
@@ -221,12 +221,12 @@ fn mask(bytes: &mut Bytes<'_>, header: &Header) -> Result<Vec<bool>, LercError> 
     }
 }
 
-/// A blob that is being decoded.
+/// A blob during decoding.
 struct Blob<T> {
     header: Header,
     is_there: Vec<bool>,
     raster: Raster<T>,
-    /// Of each sample of a pixel, where the blob says it.
+    /// Highest value of each sample of a pixel, if the blob states it.
     highest: Vec<f64>,
 }
 
@@ -277,7 +277,7 @@ impl<T: Sample> Blob<T> {
         self.read_blocks(bytes)
     }
 
-    /// Gives each pixel the same samples.
+    /// Gives all pixels the same samples.
     fn fill(&mut self, values: &[f64]) {
         let pixels = self.raster.samples.chunks_exact_mut(self.header.depth);
         for (pixel, _) in pixels
@@ -290,7 +290,7 @@ impl<T: Sample> Blob<T> {
         }
     }
 
-    /// Samples as they are.
+    /// Reads uncompressed samples.
     fn read_plain(&mut self, bytes: &mut Bytes<'_>) -> Result<(), LercError> {
         let pixels = self.raster.samples.chunks_exact_mut(self.header.depth);
         for (pixel, _) in pixels
@@ -304,7 +304,7 @@ impl<T: Sample> Blob<T> {
         Ok(())
     }
 
-    /// What is added to the codes of bytes: signed ones are moved by half of their range.
+    /// The value of a byte code; signed types subtract half of their range.
     fn of_code(code: u8) -> f64 {
         match T::TYPE == i8::TYPE {
             true => f64::from(code) - 128.0,
@@ -312,7 +312,7 @@ impl<T: Sample> Blob<T> {
         }
     }
 
-    /// Bytes as codes.
+    /// Reads bytes as Huffman codes.
     fn read_codes(&mut self, bytes: &mut Bytes<'_>) -> Result<(), LercError> {
         let codes = Codes::read(bytes)?;
         let mut words = Words::new(bytes.0);
@@ -328,7 +328,7 @@ impl<T: Sample> Blob<T> {
         Ok(())
     }
 
-    /// Bytes as codes of differences to the pixel on the left, or else to that above.
+    /// Reads codes of differences to the pixel on the left, or else to the one above.
     fn read_differences(&mut self, bytes: &mut Bytes<'_>) -> Result<(), LercError> {
         let codes = Codes::read(bytes)?;
         let mut words = Words::new(bytes.0);
@@ -385,7 +385,7 @@ impl<T: Sample> Blob<T> {
         let options = bytes.u8()?;
         let is_version_5 = self.header.version >= 5;
         let pattern = if is_version_5 { 14 } else { 15 };
-        // Four bits of the column, the lower 3 of which count blocks of 8.
+        // Four bits of the column after its lowest 3: they count blocks of 8.
         if usize::from(options >> 2) & pattern != (block.columns.start >> 3) & pattern {
             return Err(LercError::Damaged("a block out of order"));
         }
@@ -444,7 +444,7 @@ impl<T: Sample> Blob<T> {
     }
 }
 
-/// The lowest value of a block, in the smallest type that holds it.
+/// The lowest value of a block, stored in the smallest type that holds it.
 fn offset<T: Sample>(
     bytes: &mut Bytes<'_>,
     code: u8,

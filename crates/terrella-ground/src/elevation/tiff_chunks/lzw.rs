@@ -1,9 +1,9 @@
-//! LZW as TIFF 6.0, section 13, has it. The reader of the `tiff` crate takes tiles of few codes for cut off.
+//! LZW as in TIFF 6.0, section 13. The reader of the `tiff` crate treats tiles with few codes as truncated.
 
 use super::TiffChunkError;
 use weezl::{BitOrder, LzwStatus, decode::Configuration};
 
-/// Decompresses data of at most so many bytes; what follows them is left.
+/// Decompresses at most `most` bytes; further data are ignored.
 pub(super) fn bytes(data: &[u8], most: usize) -> Result<Vec<u8>, TiffChunkError> {
     let damaged = |cause: String| TiffChunkError::Damaged(format!("LZW: {cause}"));
     if matches!(data, [0, second, ..] if second & 1 == 1) {
@@ -44,7 +44,7 @@ mod tests {
                 let mut encoder = Encoder::with_tiff_size_switch(BitOrder::Msb, 8);
                 let data = encoder.encode(&all).expect("encoded");
                 assert!(bytes(&data, length).expect("decoded") == all, "{length}");
-                // Bytes behind the samples, and fewer of them.
+                // Extra bytes after the data, and a smaller limit.
                 let longer = [&data[..], &[7; 9]].concat();
                 assert!(bytes(&longer, length).expect("decoded") == all, "{length}");
                 assert!(bytes(&data, length / 2).expect("decoded") == all[..length / 2]);

@@ -1,4 +1,4 @@
-//! Strips and tiles that are pictures: JPEG with the file's tables, and WebP.
+//! Strips and tiles stored as images: JPEG with the file's tables, and WebP.
 
 use super::TiffChunkError;
 use image_webp::WebPDecoder;
@@ -8,7 +8,7 @@ use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-/// Size of a picture in pixels, and samples of one.
+/// Size of an image in pixels, and samples per pixel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PictureSize {
     pub columns: usize,
@@ -21,7 +21,7 @@ impl PictureSize {
         self.columns * self.rows * self.samples
     }
 
-    /// Rejects a picture of another width, of fewer rows or of other samples, before it is decoded.
+    /// Rejects an image with another width, fewer rows or other samples before it is decoded.
     fn check(&self, found: (usize, usize, usize), what: &str) -> Result<(), TiffChunkError> {
         let (columns, rows, samples) = found;
         match columns == self.columns && rows == self.rows && samples == self.samples {
@@ -34,8 +34,8 @@ impl PictureSize {
     }
 }
 
-/// Decodes a JPEG, with `tables` (TIFF's `JPEGTables`, a JPEG without a picture) before it. Colours of luminance and chrominance
-/// become RGB where `is_ycbcr`; else all samples are as they are stored.
+/// Decodes a JPEG, with `tables` (TIFF's `JPEGTables`, a JPEG without an image) before it. Luminance and chrominance become RGB
+/// if `is_ycbcr`; otherwise samples stay as stored.
 pub(super) fn jpeg(
     data: &[u8],
     tables: Option<&[u8]>,
@@ -43,7 +43,7 @@ pub(super) fn jpeg(
     size: PictureSize,
 ) -> Result<Vec<u8>, TiffChunkError> {
     let damaged = |cause: String| TiffChunkError::Damaged(format!("JPEG: {cause}"));
-    // The tables' end marker and the picture's start marker go.
+    // Removes the tables' end marker and the image's start marker.
     let joined = match (tables, data.get(2..)) {
         (Some(tables), Some(picture)) if tables.len() >= 4 => {
             let mut joined = tables[..tables.len() - 2].to_vec();
@@ -96,7 +96,7 @@ pub(super) fn webp(data: &[u8], size: PictureSize) -> Result<Vec<u8>, TiffChunkE
         true => 4,
         false => 3,
     };
-    // Encoders leave out an alpha of full opacity.
+    // Encoders omit an alpha channel of full opacity.
     let is_opaque = stored == 3 && size.samples == 4;
     let samples = if is_opaque { 4 } else { stored };
     size.check((columns as usize, rows as usize, samples), "a WebP")?;

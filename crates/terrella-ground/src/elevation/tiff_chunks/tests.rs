@@ -1,4 +1,4 @@
-//! Files that GDAL wrote, compared with what GDAL reads from them, and what is rejected.
+//! Compares files written by GDAL with GDAL's own reading, and checks rejections.
 
 use super::*;
 use std::collections::BTreeMap;
@@ -32,7 +32,7 @@ fn numbers(chunk: DecodingResult) -> Vec<f64> {
     }
 }
 
-/// The same with the palette shown as grey, which the crate's decoder asks for.
+/// The same with the palette declared as grey, as the crate's decoder requires.
 fn decoded(mut file: Vec<u8>) -> Result<Image, TiffChunkError> {
     let palette = [6, 1, 3, 0, 1, 0, 0, 0, 3, 0];
     let at = file.windows(10).position(|bytes| bytes == palette);
@@ -85,7 +85,7 @@ fn samples_are_those_that_gdal_reads() {
         let place = numbers[1] as usize * image.columns + numbers[0] as usize;
         let got = &image.values[place * image.samples..][..image.samples];
         assert_eq!(got.len(), numbers.len() - 2, "{name}");
-        // Inverse transforms of JPEG may differ by one; chrominance of every other pixel is interpolated in different ways.
+        // Inverse transforms of JPEG may differ by one. Subsampled chrominance is interpolated in different ways.
         let most = match name {
             "jpeg_ycbcr.tif" | "jpeg_mask.tif" => 8.0,
             _ if name.starts_with("jpeg") => 1.0,
@@ -109,7 +109,7 @@ fn samples_are_those_that_gdal_reads() {
     assert!(compared.values().all(|places| *places == 50));
 }
 
-/// A file with a tag of one SHORT changed, also in directories that GDAL has written anew elsewhere.
+/// A file with one SHORT tag changed, also in directories that GDAL rewrote elsewhere.
 fn with_short(name: &str, tag: u16, value: u16) -> Vec<u8> {
     let mut file = bytes(name);
     let mut entry = tag.to_le_bytes().to_vec();

@@ -1,4 +1,4 @@
-//! What can be wrong with a tile of heights.
+//! Errors of elevation tiles.
 
 use super::HeightTileKey;
 use std::error::Error;
@@ -7,7 +7,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum HeightTileError {
-    /// Nobody wanted it any more.
+    /// The tile was no longer wanted.
     #[error("{0} was cancelled")]
     Cancelled(HeightTileKey),
     /// The source has no such tile.
@@ -17,10 +17,10 @@ pub enum HeightTileError {
     #[error("{key} cannot be read: {cause}")]
     Unreadable {
         key: HeightTileKey,
-        /// Why, with the file and what to do about it.
+        /// The cause, with the file and the remedy.
         cause: Arc<dyn Error + Send + Sync>,
     },
-    /// It was read and is none.
+    /// It was read and is invalid.
     #[error("{key} is not an elevation tile: {what}; build the pack again")]
     Unsound { key: HeightTileKey, what: String },
 }

@@ -1,31 +1,31 @@
-//! A tile of heights in memory.
+//! An elevation tile in memory.
 
 use super::{HeightTileError, HeightTileKey, HeightTileLayout};
 use crate::elevation::floor::floor;
 use crate::elevation::samples::HeightSamples;
 use crate::elevation::{HIGHEST_M, HeightRange, LOWEST_M};
 
-/// Samples along a side of the smallest squares whose ranges are held.
+/// Samples along a side of the smallest squares with stored ranges.
 const SQUARE: usize = 8;
 
-/// Heights of a tile, and the ranges of parts of it.
+/// Heights of a tile, and the ranges of its parts.
 pub(in crate::elevation) struct HeldTile {
     pub key: HeightTileKey,
     samples: HeightSamples,
-    /// Samples of a row, the border included.
+    /// Samples per row, including the border.
     row: usize,
     border: usize,
     side: usize,
-    /// Lowest and highest of each square of samples, row by row; then those of squares twice as wide, and so on.
+    /// Lowest and highest of each square of samples, row by row. Squares twice as wide follow, and so on.
     ranges: Vec<[f32; 2]>,
-    /// Of the smallest, along a side.
+    /// Smallest squares along a side.
     squares: usize,
-    /// Of all samples.
+    /// Range of all samples.
     pub range: HeightRange,
 }
 
 impl HeldTile {
-    /// Takes what a source has read, once it is what the layout says.
+    /// Accepts samples of a source if they match the layout.
     pub fn new(
         key: HeightTileKey,
         layout: &HeightTileLayout,
@@ -56,7 +56,7 @@ impl HeldTile {
         };
         for n in 0..samples.len() {
             let height_m = samples.at_m(n);
-            // False for what is no number.
+            // False for NaN.
             if !(LOWEST_M..=HIGHEST_M).contains(&height_m) {
                 return Err(unsound(format!("it holds a height of {height_m} m")));
             }
@@ -101,8 +101,8 @@ impl HeldTile {
         self.samples.bytes() + size_of_val(self.ranges.as_slice()) as u64 + size_of::<Self>() as u64
     }
 
-    /// The height at a place of the level, counted in its samples' steps from 180° W and from the north pole; beyond the
-    /// outermost rows it goes over into the pole's, north first.
+    /// The height at a place of the level, in sample steps from 180° W and from the north pole. Beyond the outermost
+    /// rows it blends into the pole's height, north first.
     #[inline]
     pub fn height_m(&self, x: f64, y: f64, rows: f64, poles_m: [f64; 2]) -> f64 {
         match &self.samples {
@@ -149,7 +149,7 @@ impl HeldTile {
         value + down * (in_row(north + 1.0) - value)
     }
 
-    /// Column or row of the samples held, of one of the level. Of a place in the tile it and the next are there.
+    /// Stored column or row for a column or row of the level. For a place in the tile, it and the next exist.
     #[inline]
     fn place(&self, of_level: f64, tile: u32) -> usize {
         let from_tile = of_level - f64::from(tile) * self.side as f64 + self.border as f64;
@@ -157,8 +157,8 @@ impl HeldTile {
         (from_tile as usize).min(self.row - 1)
     }
 
-    /// Lowest and highest of all that is interpolated between two places, in samples' steps from the tile's own north-western corner.
-    /// May be too wide, as if the places were `detail` steps further apart, or [`SQUARE`].
+    /// Lowest and highest of all heights interpolated between two places, in sample steps from the tile's north-western corner. May
+    /// be too wide, as if the places were `detail` or [`SQUARE`] steps farther apart.
     pub fn range_m(
         &self,
         (west, east): (f64, f64),
@@ -177,7 +177,7 @@ impl HeldTile {
         if (columns, rows) == (all, all) {
             return self.range;
         }
-        // None of these is not a number, which `f64::min` would look for.
+        // None of these is NaN, for which `f64::min` would check.
         let least = |a: f64, b: f64| if b < a { b } else { a };
         let most = |a: f64, b: f64| if b > a { b } else { a };
         let (mut low_m, mut high_m) = (f64::INFINITY, f64::NEG_INFINITY);

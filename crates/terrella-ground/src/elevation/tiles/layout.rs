@@ -1,30 +1,30 @@
-//! How the Earth is cut into tiles of heights.
+//! Division of the Earth into elevation tiles.
 
 use crate::elevation::Bounds;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::fmt;
 
-/// Columns of tiles that the coarsest level has at least.
+/// Minimum tile columns of the coarsest level.
 const LEAST_COLUMNS: u32 = 16;
-/// And at most: it is always in memory.
+/// Maximum tile columns of the coarsest level, which is always in memory.
 const MOST_COARSEST_COLUMNS: u32 = 64;
-/// Most samples along a tile's side.
+/// Maximum samples along a tile's side.
 const MOST_SIDE: u32 = 1024;
-/// Most samples round the Earth: cells of 4 cm.
+/// Maximum samples around the Earth: cells of 4 cm.
 const MOST_SAMPLES: u64 = 1 << 30;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct HeightTileKey {
     /// 0 is the finest.
     pub level: u8,
-    /// From 180° W eastwards.
+    /// Column from 180° W eastwards.
     pub column: u32,
-    /// From the north pole southwards.
+    /// Row from the north pole southwards.
     pub row: u32,
 }
 
 impl HeightTileKey {
-    /// The tile of the next coarser level over it.
+    /// The tile above it, at the next coarser level.
     pub fn parent(self) -> Self {
         Self {
             level: self.level + 1,
@@ -33,7 +33,7 @@ impl HeightTileKey {
         }
     }
 
-    /// The tile of a coarser level over it, itself at its own.
+    /// Its ancestor at a coarser level, or itself at its own.
     pub(crate) fn over(self, level: u8) -> Self {
         let up = level - self.level;
         Self {
@@ -43,7 +43,7 @@ impl HeightTileKey {
         }
     }
 
-    /// A quarter, of the next finer level: 0…3, north-west, north-east, south-west, south-east. `None` of the finest level.
+    /// A child at the next finer level: 0…3, north-west, north-east, south-west, south-east. `None` at the finest level.
     pub fn child(self, quarter: u32) -> Option<Self> {
         Some(Self {
             level: self.level.checked_sub(1)?,
@@ -52,7 +52,7 @@ impl HeightTileKey {
         })
     }
 
-    /// Which quarter of its parent it is.
+    /// Its quarter within the parent.
     pub(crate) fn quarter(self) -> usize {
         ((self.row & 1) << 1 | self.column & 1) as usize
     }
@@ -65,7 +65,7 @@ impl fmt::Display for HeightTileKey {
     }
 }
 
-/// Why there is no such layout.
+/// Why a layout is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "the layout of the elevation tiles is invalid: {levels} levels, {coarsest_columns} columns at the coarsest, {side} samples a side, border \
@@ -76,13 +76,13 @@ pub struct HeightLayoutError {
     pub levels: u8,
     /// Columns of the coarsest level.
     pub coarsest_columns: u32,
-    /// Samples of a tile's side.
+    /// Samples along a tile's side.
     pub side: u32,
     /// Samples of its border.
     pub border: u32,
 }
 
-/// How the Earth is cut into tiles of heights.
+/// Division of the Earth into elevation tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HeightTileLayout {
     levels: u8,
@@ -92,11 +92,11 @@ pub struct HeightTileLayout {
 }
 
 impl HeightTileLayout {
-    /// A layout of so many levels, of which the coarsest has so many columns and half as many rows of tiles (16, 32 or 64), with
-    /// so many samples along a tile's side and so many more beyond each of its edges.
+    /// A layout of `levels` levels. The coarsest has `coarsest_columns` tile columns (16, 32 or 64) and half as many rows. A
+    /// tile has `side` samples along a side, and `border` more beyond each edge.
     ///
     /// # Errors
-    /// Numbers outside what [`HeightLayoutError`] says.
+    /// Numbers outside the limits of [`HeightLayoutError`].
     pub fn new(
         levels: u8,
         coarsest_columns: u32,
@@ -136,7 +136,7 @@ impl HeightTileLayout {
         self.levels
     }
 
-    /// The number of the coarsest level.
+    /// Number of the coarsest level.
     pub fn coarsest(&self) -> u8 {
         self.levels - 1
     }
@@ -151,22 +151,22 @@ impl HeightTileLayout {
         self.border
     }
 
-    /// Samples of a tile's row as it is read: the side and both borders.
+    /// Samples per row of a stored tile: the side and both borders.
     pub fn row_samples(&self) -> usize {
         (self.side + 2 * self.border) as usize
     }
 
-    /// Samples of a tile as it is read.
+    /// Samples of a stored tile.
     pub fn tile_samples(&self) -> usize {
         self.row_samples() * self.row_samples()
     }
 
-    /// Columns of tiles of a level; there are half as many rows. A level beyond the coarsest has as many as that.
+    /// Tile columns of a level; there are half as many rows. Levels beyond the coarsest count as the coarsest.
     pub fn columns(&self, level: u8) -> u32 {
         self.coarsest_columns << (self.coarsest() - level.min(self.coarsest()))
     }
 
-    /// Rows of tiles of a level.
+    /// Tile rows of a level.
     pub fn rows(&self, level: u8) -> u32 {
         self.columns(level) / 2
     }
@@ -181,14 +181,14 @@ impl HeightTileLayout {
         TAU / f64::from(self.columns(level))
     }
 
-    /// Whether there can be such a tile.
+    /// Whether the layout has such a tile.
     pub fn contains(&self, key: HeightTileKey) -> bool {
         key.level < self.levels
             && key.column < self.columns(key.level)
             && key.row < self.rows(key.level)
     }
 
-    /// The ground of a tile, without its border.
+    /// The bounds of a tile, without its border.
     pub fn bounds(&self, key: HeightTileKey) -> Bounds {
         let tile_rad = self.tile_rad(key.level);
         let north_rad = FRAC_PI_2 - f64::from(key.row) * tile_rad;
@@ -200,7 +200,7 @@ impl HeightTileLayout {
         }
     }
 
-    /// The tile of its level beside another, round the date line too; `None` beyond a pole.
+    /// The neighbouring tile of the same level, across the date line too; `None` beyond a pole.
     pub fn beside(&self, key: HeightTileKey, east: i32, south: i32) -> Option<HeightTileKey> {
         let (columns, rows) = (self.columns(key.level), self.rows(key.level));
         let row = key

@@ -1,14 +1,16 @@
-//! The tiles that are in memory at one moment, and what the heights are by them.
+//! A snapshot of the resident tiles, and the heights that follow from them.
 //!
-//! # Continuous, whatever is there
+//! # Continuity in every state
 //!
-//! Let h_k be the heights of level k and D_k(p) the distance of a place, in tiles of that level, from the nearest tile of it that is not in
-//! memory. The heights down to level k are g_k = g_(k+1) + w_k (h_k − g_(k+1)) with w_k = s(D_k / [`FEATHER`]), s smooth
-//! from 0 to 1; those of the coarsest level, which is always there, are as they are. h_k is continuous where tiles of level k
-//! are in memory, since they repeat samples of their neighbours, w_k is everywhere and 0 where one ends: so g_k is continuous, by
-//! induction. Towards the poles, where D_k is not (all meridians meet), all h_k go over into one height.
+//! Let h_k be the heights of level k. Let D_k(p) be the distance of a place from the nearest non-resident tile of level k, in tiles of that level.
+//! The heights down to level k are g_k = g_(k+1) + w_k (h_k − g_(k+1)). The weight is w_k = s(D_k / [`FEATHER`]), with s smooth from 0 to 1. The
+//! coarsest level is always resident and unchanged.
 //!
-//! Only tiles whose coarser one is in memory are, so that the way down from the coarsest finds them all.
+//! h_k is continuous where tiles of level k are resident, because tiles repeat samples of their neighbours. w_k is continuous everywhere, and 0 where
+//! a tile ends. By induction g_k is continuous. D_k is not continuous towards the poles, where all meridians meet. All h_k therefore blend into one
+//! height there.
+//!
+//! A tile is resident only if its parent is. The path down from the coarsest level therefore finds all tiles.
 
 use super::held::HeldTile;
 use super::{HeightTileKey, HeightTileLayout, HeightTileSource, Wants};
@@ -19,13 +21,13 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 
-/// Part of a tile over which its heights go over into the coarser ones beside a tile that is not there.
+/// Fraction of a tile over which its heights blend into coarser ones beside a missing tile.
 pub(in crate::elevation) const FEATHER: f64 = 0.25;
 
-/// No node.
+/// Marks an absent node.
 pub(in crate::elevation) const NONE: u32 = u32::MAX;
 
-/// Tiles beside one, eastwards and southwards, by the bits of [`Node::missing`].
+/// Offsets of neighbouring tiles, eastwards and southwards, in bit order of [`Node::missing`].
 pub(in crate::elevation) const BESIDE: [(i32, i32); 8] = [
     (-1, -1),
     (0, -1),
@@ -37,38 +39,38 @@ pub(in crate::elevation) const BESIDE: [(i32, i32); 8] = [
     (1, 1),
 ];
 
-/// A range looks at tiles down to this part of the bounds, and takes the index's word for what is within them.
+/// A range query visits tiles down to this fraction of the bounds, and uses the stored ranges below that.
 const PART: f64 = 1.0 / 4.0;
 
-/// Most tiles that a search for the finest data looks at.
+/// Maximum tiles visited by a search for the finest data.
 const MOST_SEARCHED: usize = 256;
 
-/// A tile in memory, or one of the coarsest level, whose heights are the grid's.
+/// A resident tile, or one of the coarsest level, whose heights are the grid's.
 #[derive(Clone)]
 pub(in crate::elevation) struct Node {
     pub key: HeightTileKey,
     /// `None` at the coarsest level.
     pub tile: Option<Arc<HeldTile>>,
-    /// The node over it; none over those of the coarsest level.
+    /// The parent node; [`NONE`] at the coarsest level.
     pub parent: u32,
-    /// Nodes of its quarters that are in memory.
+    /// Nodes of its resident children.
     pub children: [u32; 4],
-    /// Quarters that the source has, a bit each.
+    /// Children that the source has, one bit each.
     pub exists: u8,
-    /// What the source says of those: of them and of all finer ones.
+    /// Ranges of the source for those children, including all finer tiles.
     pub below: [[f32; 2]; 4],
-    /// Tiles beside it that are not in memory, a bit each of [`BESIDE`]; those beyond a pole are none.
+    /// Non-resident neighbours, one bit each of [`BESIDE`]. A neighbour beyond a pole does not count.
     pub missing: u8,
-    /// Quarters that were asked for and are not there: bits 0…3 at a spacing of their own, 4…7 the finest that there is.
+    /// Requested children that are missing: bits 0…3 with an explicit spacing, 4…7 as the finest data.
     pub wanted: Arc<AtomicU8>,
 }
 
-/// A place as levels see it.
+/// A place in level coordinates.
 #[derive(Clone, Copy)]
 struct PyramidPoint {
     lat_rad: f64,
     lon_rad: f64,
-    /// Steps of the finest level's samples from 180° W and from the north pole.
+    /// Sample steps of the finest level from 180° W and from the north pole.
     x: f64,
     y: f64,
 }
@@ -82,7 +84,7 @@ impl PyramidPoint {
     }
 }
 
-/// All tiles in memory. Never changed: when tiles come and go there is another.
+/// All resident tiles. Immutable: a new pyramid replaces it when tiles load or are evicted.
 #[derive(Clone)]
 pub(in crate::elevation) struct TilePyramid {
     pub layout: HeightTileLayout,
@@ -91,19 +93,20 @@ pub(in crate::elevation) struct TilePyramid {
     pub base: Arc<HeightGrid>,
     /// The coarsest level's tiles first, row by row.
     pub nodes: Vec<Node>,
-    /// Something was asked for that is not there.
+    /// Whether a missing tile was requested.
     pub has_wants: Arc<AtomicBool>,
-    /// And beneath that.
+    /// Requests for tiles below those.
     pub wants: Arc<Wants>,
     pub poles_m: [f64; 2],
-    /// Of everything, now and later.
+    /// Range of all heights, now and later.
     pub range: HeightRange,
     /// Angle between samples of the finest level, radians.
     pub finest_rad: f64,
 }
 
 thread_local! {
-    /// Where [`TilePyramid::finest_over`] ended: of any tiles, since it is only where the way begins.
+    /// Node where [`TilePyramid::finest_over`] ended last. It may belong to any pyramid, because it
+    /// is only a starting point.
     static LAST: Cell<u32> = const { Cell::new(0) };
 }
 
@@ -118,7 +121,7 @@ impl TilePyramid {
     fn place(&self, lat_rad: f64, lon_rad: f64) -> PyramidPoint {
         let turns = (lon_rad + PI) * (1.0 / TAU);
         let turns = turns - floor(turns);
-        // The difference of a small negative number from −1 is rounded to 1.
+        // For a small negative number the difference from −1 rounds to 1.
         let turns = if turns >= 1.0 { 0.0 } else { turns };
         let down = ((FRAC_PI_2 - lat_rad) * (1.0 / PI)).clamp(0.0, 1.0);
         let side = f64::from(self.layout.side());
@@ -130,7 +133,7 @@ impl TilePyramid {
         }
     }
 
-    /// The tile of a level that a place lies in.
+    /// The tile of a level that contains a place.
     #[inline]
     fn key_at(&self, place: &PyramidPoint, level: u8) -> HeightTileKey {
         let (x, y) = place.at(level);
@@ -151,11 +154,11 @@ impl TilePyramid {
     pub fn height_m(&self, lat_rad: f64, lon_rad: f64, spacing_rad: f64) -> f64 {
         let coarsest = self.layout.coarsest();
         let steps = spacing_rad / self.finest_rad;
-        // Also where the spacing is not a number.
+        // True also for a NaN spacing.
         let (level, part) = if steps.is_nan() || steps <= 1.0 {
             (0, 0.0)
         } else {
-            // steps = 2^level·(1 + part), read from the number's own form.
+            // steps = 2^level·(1 + part), read from the bits of the number.
             let level = (steps.to_bits() >> 52).saturating_sub(1023);
             let level = level.min(u64::from(coarsest)) as u8;
             (level, steps * power_of_half(level) - 1.0)
@@ -181,7 +184,8 @@ impl TilePyramid {
         fine_m + part * (self.blended(node.parent, &place, is_any) - fine_m)
     }
 
-    /// Whether a place lies in a node's tile; of those on the Earth's eastern and southern end it may say no.
+    /// Whether a node's tile contains a place. May be false for places on the Earth's eastern and southern
+    /// end.
     #[inline]
     fn holds(&self, node: &Node, place: &PyramidPoint) -> bool {
         let (x, y) = place.at(node.key.level);
@@ -191,7 +195,7 @@ impl TilePyramid {
         is_within(x, node.key.column) && is_within(y, node.key.row)
     }
 
-    /// The quarter of a node that a place in it lies in.
+    /// The quarter of a node that contains a place.
     #[inline]
     fn quarter_of(&self, node: &Node, place: &PyramidPoint) -> usize {
         let (x, y) = place.at(node.key.level - 1);
@@ -200,10 +204,9 @@ impl TilePyramid {
         is_second(y, node.key.row) << 1 | is_second(x, node.key.column)
     }
 
-    /// The finest node over a place down to a level.
+    /// The finest node over a place, down to a level.
     ///
-    /// Places are mostly asked for beside each other: the way begins at the node where the last one of this thread ended, goes up
-    /// as far as it must, and down.
+    /// Consecutive queries are mostly close together. The search starts at the last node of this thread, goes up as far as needed, and then down.
     #[inline]
     fn finest_over(&self, place: &PyramidPoint, level: u8) -> u32 {
         let mut at = LAST.get();
@@ -226,7 +229,7 @@ impl TilePyramid {
         at
     }
 
-    /// The first node above one that a place lies in and that is not finer than a level.
+    /// The first ancestor that contains a place and is not finer than a level.
     fn coarser_over(&self, from: u32, place: &PyramidPoint, level: u8) -> u32 {
         let mut at = from;
         while let Some(node) = self.nodes.get(at as usize) {
@@ -238,7 +241,7 @@ impl TilePyramid {
         self.root(self.key_at(place, self.layout.coarsest()))
     }
 
-    /// Notes that finer tiles over a place were asked for, down to a level, or as far as somebody sees them.
+    /// Records a request for finer tiles over a place, down to a level or as far as an eye can see them.
     #[inline]
     fn want_below(&self, node: &Node, place: &PyramidPoint, level: u8, is_any: bool) {
         let quarter = self.quarter_of(node, place);
@@ -257,21 +260,21 @@ impl TilePyramid {
         }
     }
 
-    /// Notes that a quarter was asked for, if the source has it.
+    /// Records a request for a child, if the source has it.
     #[inline]
     fn want(&self, node: &Node, quarter: usize, is_any: bool) {
         if node.exists >> quarter & 1 == 0 {
             return;
         }
         let bit = 1 << (quarter + if is_any { 4 } else { 0 });
-        // Looked at first: a line that nobody writes stays in every core's cache.
+        // Reads first: an unwritten cache line stays in every core's cache.
         if node.wanted.load(Ordering::Relaxed) & bit == 0 {
             node.wanted.fetch_or(bit, Ordering::Relaxed);
             self.has_wants.store(true, Ordering::Relaxed);
         }
     }
 
-    /// g of a node's level.
+    /// g at a node's level.
     #[inline]
     fn blended(&self, node: u32, place: &PyramidPoint, is_any: bool) -> f64 {
         let (mut height_m, mut beneath) = (0.0, 1.0);
@@ -300,7 +303,7 @@ impl TilePyramid {
         }
     }
 
-    /// w of a place in a tile beside which some are missing, which are noted as asked for.
+    /// w at a place in a tile with missing neighbours. Records requests for those neighbours.
     fn weight(&self, node: &Node, x: f64, y: f64, is_any: bool) -> f64 {
         let side = f64::from(self.layout.side());
         let (u, v) = (
@@ -327,8 +330,8 @@ impl TilePyramid {
         part * part * (3.0 - 2.0 * part)
     }
 
-    /// Notes that a tile beside another is asked for. Where the coarser one over it is not there either, that one was beside
-    /// the coarser one over this, and is noted when that is looked at.
+    /// Records a request for a tile's neighbour. If the neighbour's parent is missing too, it is a neighbour of this tile's
+    /// parent, and is recorded when that is visited.
     fn want_beside(&self, key: HeightTileKey, (east, south): (i32, i32), is_any: bool) {
         let Some(beside) = self.layout.beside(key, east, south) else {
             return;
@@ -338,7 +341,7 @@ impl TilePyramid {
         }
     }
 
-    /// The node of a tile, if it is in memory.
+    /// The node of a tile, if resident.
     pub fn find(&self, key: HeightTileKey) -> Option<u32> {
         let up = self.layout.coarsest().checked_sub(key.level)?;
         let over = |up: u8| HeightTileKey {
@@ -356,7 +359,7 @@ impl TilePyramid {
         Some(at)
     }
 
-    /// Lowest and highest height inside bounds: of what is there now, or of all that there will ever be.
+    /// Lowest and highest height inside bounds: of the current tiles, or at any time.
     pub fn range_m(&self, bounds: &Bounds, coarsest_rad: f64, is_ever: bool) -> HeightRange {
         let coarsest = self.layout.coarsest();
         let scale = self.base.finest_spacing_rad() / self.layout.spacing_rad(coarsest);
@@ -366,14 +369,14 @@ impl TilePyramid {
         }
         let extent = (bounds.north_rad - bounds.south_rad).max(bounds.width_rad);
         let tile_rad = self.layout.tile_rad(coarsest);
-        // A whole Earth of ranges is known.
+        // The range of the whole Earth is stored.
         if is_ever && extent >= 0.9 * PI {
             return wider(range, self.range);
         }
         let (rows, columns) = (self.layout.rows(coarsest), self.layout.columns(coarsest));
         let row = |lat: f64| ((FRAC_PI_2 - lat) / tile_rad).clamp(0.0, f64::from(rows - 1)) as u32;
         let (north, south) = (row(bounds.north_rad + 1e-9), row(bounds.south_rad - 1e-9));
-        // All columns at a pole, where they meet.
+        // At a pole all columns meet, so all count.
         let is_polar = north == 0 || south + 1 == rows;
         let first = ((bounds.west_rad + PI) / tile_rad - 1e-6).floor();
         let count = match is_polar {
@@ -407,7 +410,8 @@ impl TilePyramid {
             let side = f64::from(self.layout.side());
             let north = (own.north_rad - bounds.north_rad) / step;
             let south = (own.north_rad - bounds.south_rad) / step;
-            // From the tile's middle, so that neither is taken for the other side of the Earth.
+            // Measured from the tile's middle, so that neither is mistaken for the other side of
+            // the Earth.
             let from = own.west_rad + 0.5 * tile_rad;
             let middle = bounds.west_rad + 0.5 * bounds.width_rad;
             let off = (middle - from + PI).rem_euclid(TAU) - PI;
@@ -419,18 +423,18 @@ impl TilePyramid {
                     (middle - half, middle + half)
                 }
             };
-            // The last digit of an angle must not take a sample away.
+            // Rounding of an angle must not drop a sample.
             let more = 1e-6;
             range = wider(
                 range,
                 tile.range_m(
                     ((west - more).max(0.0), (east + more).min(side)),
                     ((north - more).max(0.0), (south + more).min(side)),
-                    // What is finer is not looked at more closely either.
+                    // Finer parts are not resolved more closely either.
                     least_rad / step,
                 ),
             );
-            // Beyond the outermost rows heights go over into the poles'.
+            // Beyond the outermost rows heights blend into the poles'.
             if node.key.row == 0 && north < 0.5 {
                 range = wider(range, point(self.poles_m[0]));
             }
@@ -462,7 +466,7 @@ impl TilePyramid {
         range
     }
 
-    /// The finest level that the source has at a place.
+    /// The finest level of the source at a place.
     fn finest_level(&self, place: &PyramidPoint) -> u8 {
         let node = &self.nodes[self.finest_over(place, 0) as usize];
         let mut level = node.key.level;
@@ -485,7 +489,7 @@ impl TilePyramid {
         level
     }
 
-    /// See [`crate::elevation::Elevation::finest_spacing_rad`]: of all that the source has, be it in memory or not.
+    /// See [`crate::elevation::Elevation::finest_spacing_rad`]: for all tiles of the source, resident or not.
     pub fn finest_spacing_rad(&self, lat_rad: f64, lon_rad: f64) -> f64 {
         let level = self.finest_level(&self.place(lat_rad, lon_rad));
         match level == self.layout.coarsest() {

@@ -1,40 +1,41 @@
-//! How far down heights that are not there were asked for: noted by whoever reads, in any number of threads, without waiting.
+//! Depth of requests for missing tiles. Readers record it from any number of threads without waiting.
 //!
-//! That the next finer tile is asked for, its coarser one notes ([`Node::wanted`](super::Node)), and that is never lost. What is
-//! noted here are the tiles beneath it, so that all of them are loaded at once: of a table that is full, or noted by two threads in
-//! the same moment, some are lost, and asked for again when heights have changed there.
+//! A request for the next finer tile is recorded in its parent ([`Node::wanted`](super::Node)) and is never lost. This table records the tiles below
+//! it, so that all of them load at once. A full table, or two threads that write at the same moment, may lose some requests. They are repeated once
+//! heights have changed there.
 
 use super::HeightTileKey;
 use crate::elevation::floor::floor;
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 
-/// Keys that are held.
+/// Capacity in keys.
 const SLOTS: usize = 4096;
-/// Places that a key may have.
+/// Probes per key.
 const TRIES: usize = 4;
-/// Eyes that are known; more than those see what these do, or wait for one tile after another.
+/// Maximum number of known eyes. Further eyes use the result of these, or wait for one tile after
+/// another.
 const EYES: usize = 4;
 
 const PRESENT: u64 = 1 << 63;
 const IS_ANY: u64 = 1 << 62;
-/// It has been taken, and stays so that it is not noted again as long as heights are the same.
+/// A key that was taken. It stays, so that it is not recorded again while heights are unchanged.
 const TAKEN: u64 = 1 << 61;
 
-/// An eye as heights see it: good enough to say how fine a tile might be asked for.
+/// An eye as seen from heights: accurate enough to estimate the level of detail requested.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::elevation) struct NearEye {
     /// Geodetic, radians.
     pub lat_rad: f64,
     /// Geodetic, radians.
     pub lon_rad: f64,
-    /// Above all ground, radians of the Earth's radius.
+    /// Height above all ground, as an angle at the Earth's radius, radians.
     pub height_rad: f64,
-    /// Samples that are seen smaller need not be finer, radians.
+    /// Samples that appear smaller than this need no refinement, radians.
     pub tolerance_rad: f64,
 }
 
-/// The table.
+/// The request table.
 pub(in crate::elevation) struct Wants {
     keys: Vec<AtomicU64>,
     has_any: AtomicBool,
@@ -52,7 +53,7 @@ impl Wants {
         }
     }
 
-    /// Notes a tile that is not there, nor perhaps those over it.
+    /// Records a missing tile whose ancestors may be missing too.
     #[inline]
     pub fn note(&self, key: HeightTileKey, is_any: bool) {
         let packed = PRESENT
@@ -76,7 +77,7 @@ impl Wants {
         }
     }
 
-    /// Hands over at most so many of the keys, each once.
+    /// Passes on at most `most` keys, each once.
     pub fn take(&self, most: usize, mut each: impl FnMut(HeightTileKey, bool)) {
         if !self.has_any.swap(false, Ordering::Acquire) {
             return;
@@ -102,7 +103,7 @@ impl Wants {
         }
     }
 
-    /// Forgets what was taken: heights are others, and what is asked for now may be too.
+    /// Forgets taken keys: heights changed, so requests may have changed too.
     pub fn forget_taken(&self) {
         for slot in &self.keys {
             if slot.load(Ordering::Relaxed) & TAKEN != 0 {
@@ -111,12 +112,12 @@ impl Wants {
         }
     }
 
-    /// Whether there are any that have not been taken.
+    /// Whether any keys have not been taken.
     pub fn has_any(&self) -> bool {
         self.has_any.load(Ordering::Relaxed)
     }
 
-    /// Who looks from now on.
+    /// Sets the eyes from now on.
     pub fn look(&self, eyes: impl Iterator<Item = NearEye>) {
         let mut count = 0;
         for (eye, held) in eyes.zip(&self.eyes) {
@@ -129,7 +130,7 @@ impl Wants {
         self.eye_count.store(count, Ordering::Relaxed);
     }
 
-    /// About how fine a level some eye sees at a place; 0, the finest, where nobody looks.
+    /// Approximate level of detail that an eye can see at a place; 0, the finest, without eyes.
     pub fn level_seen(&self, lat_rad: f64, lon_rad: f64, finest_rad: f64) -> u8 {
         let count = self.eye_count.load(Ordering::Relaxed) as usize;
         let mut least = f64::INFINITY;
@@ -138,7 +139,8 @@ impl Wants {
                 [0, 1, 2, 3].map(|k| f64::from_bits(eye[k].load(Ordering::Relaxed)));
             let turns = (lon_rad - lon) * (1.0 / TAU);
             let aside = (turns - floor(turns + 0.5)) * TAU;
-            // Degrees of longitude are shorter away from the equator: a wide bound, 1 − φ²/2 ≤ cos φ.
+            // Degrees of longitude are shorter away from the equator: a loose bound, 1 − φ²/2 ≤ cos
+            // φ.
             let shorter = (1.0 - 0.5 * lat_rad * lat_rad).max(0.0);
             let (up, across) = (lat_rad - lat, aside * shorter);
             let away_rad = (up * up + across * across + height_rad * height_rad).sqrt();
@@ -147,7 +149,7 @@ impl Wants {
         if count == 0 {
             return 0;
         }
-        // A tile shows where the samples in its place, twice as wide, are seen larger than the tolerance.
+        // A tile is visible where its parent's samples, twice as wide, appear larger than the tolerance.
         let steps = least / finest_rad;
         let level = (steps.to_bits() >> 52).saturating_sub(1023);
         if steps > 1.0 { level.min(31) as u8 } else { 0 }

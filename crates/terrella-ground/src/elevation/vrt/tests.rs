@@ -1,8 +1,8 @@
-//! What `gdalbuildvrt` writes, and everything that is rejected by its name.
+//! Output of `gdalbuildvrt`, and all features rejected by name.
 
 use super::*;
 
-/// As gdalbuildvrt 3.9 writes it.
+/// Written by gdalbuildvrt 3.9.
 const TWO: &str = r#"<VRTDataset rasterXSize="20" rasterYSize="10">
   <SRS dataAxisToSRSAxisMapping="2,1">GEOGCS["WGS 84",AUTHORITY["EPSG","4326"]]</SRS>
   <GeoTransform>  6.0000000000000000e+00,  1.0000000000000001e-01,  0.0,  4.6e+01,  0.0, -1.0e-01</GeoTransform>

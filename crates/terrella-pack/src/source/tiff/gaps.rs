@@ -1,4 +1,4 @@
-//! Texels of a TIFF that stand for nothing: GDAL's no-data number, an internal mask, strips and tiles that the file leaves out.
+//! Texels of a TIFF without data: GDAL's no-data value, an internal mask, and omitted strips and tiles.
 
 use super::super::sample::sample;
 use super::super::{FileContext, SampleKind};
@@ -10,12 +10,12 @@ use tiff::TiffError;
 use tiff::decoder::Decoder;
 use tiff::tags::Tag;
 
-/// What takes texels away.
+/// Sources of missing texels.
 pub(super) struct Gaps {
     no_data: Option<f32>,
     absent: Option<Vec<bool>>,
     mask: Option<TiffMask>,
-    /// Of the row looked at last, which texels are there.
+    /// Which texels of the last row exist.
     pub is_there: Vec<bool>,
 }
 
@@ -35,7 +35,7 @@ impl Gaps {
         })
     }
 
-    /// Whether anything may be missing.
+    /// Whether any texel may be missing.
     pub fn are_possible(&self) -> bool {
         self.no_data.is_some() || self.absent.is_some() || self.mask.is_some()
     }
@@ -52,7 +52,7 @@ impl Gaps {
         absent.is_some_and(|absent| *absent)
     }
 
-    /// Looks at a row of texels, of which `columns` of each strip or tile lie side by side from chunk `first_chunk` on.
+    /// Evaluates a row of texels. Chunks start at `first_chunk` and contribute `columns` texels each.
     pub fn look<R: Read + Seek>(
         &mut self,
         decoder: &mut Decoder<R>,
@@ -68,7 +68,7 @@ impl Gaps {
         }
         if self.absent.is_some() {
             for n in 0..self.is_there.len().div_ceil(columns as usize) {
-                // At most as many as columns.
+                // At most the number of columns.
                 if self.is_absent(first_chunk + n as u32) {
                     let start = n * columns as usize;
                     let end = self.is_there.len().min(start + columns as usize);
@@ -79,7 +79,7 @@ impl Gaps {
         Ok(())
     }
 
-    /// Takes away the texels all of whose colours are the no-data number.
+    /// Removes texels whose colours all equal the no-data value.
     pub fn take_no_data(
         &mut self,
         kind: SampleKind,
@@ -97,7 +97,7 @@ impl Gaps {
     }
 }
 
-/// The number that stands for nothing.
+/// The no-data value.
 fn no_data<R: Read + Seek>(
     decoder: &mut Decoder<R>,
     context: &FileContext,

@@ -1,5 +1,5 @@
-//! A TIFF whose first directory is shown with another photometric interpretation: the decoder rejects palettes, but not grey
-//! pictures of the same bytes (TIFF 6.0, sections 2, 5 and 8; BigTIFF).
+//! A TIFF whose first directory appears with another photometric interpretation. The decoder rejects palettes, but accepts
+//! grey images of the same bytes (TIFF 6.0, sections 2, 5 and 8; BigTIFF).
 
 use std::io::{self, Read, Seek, SeekFrom};
 
@@ -8,7 +8,7 @@ const COLOR_MAP: u16 = 320;
 const PALETTE: u16 = 3;
 const BLACK_IS_ZERO: u16 = 1;
 
-/// A file in which two bytes may be others.
+/// A file with up to two replaced bytes.
 pub(super) struct Recoded<R> {
     inner: R,
     at: u64,
@@ -16,8 +16,8 @@ pub(super) struct Recoded<R> {
 }
 
 impl<R: Read + Seek> Recoded<R> {
-    /// The file as it is, or with a palette's numbers as grey. Also whether it has a palette. What is wrong with its first
-    /// directory is the decoder's matter.
+    /// The file unchanged, or with palette indices as grey. Also returns whether it has a palette. The decoder reports
+    /// errors in the first directory.
     pub fn new(mut inner: R) -> io::Result<(Self, bool)> {
         let patch = grey_patch(&mut inner).ok().flatten();
         inner.seek(SeekFrom::Start(0))?;
@@ -30,7 +30,8 @@ impl<R: Read + Seek> Recoded<R> {
     }
 }
 
-/// Where a palette is named in the first directory, and what stands for grey there. Grey with a palette is meant as one, as GDAL reads it.
+/// Position of the palette's photometric value in the first directory, and the bytes for grey. Grey with a palette counts as a palette, as
+/// in GDAL.
 fn grey_patch<R: Read + Seek>(file: &mut R) -> io::Result<Option<(u64, [u8; 2])>> {
     let mut head = [0; 8];
     file.seek(SeekFrom::Start(0))?;
@@ -64,7 +65,7 @@ fn grey_patch<R: Read + Seek>(file: &mut R) -> io::Result<Option<(u64, [u8; 2])>
             tag if tag == u64::from(PHOTOMETRIC) => {}
             _ => continue,
         }
-        // Other types than SHORT are never written here.
+        // Writers never use types other than SHORT here.
         let is_short = numbers.read(2)? == 3;
         let value_at = entry.saturating_add(value_at);
         numbers.file.seek(SeekFrom::Start(value_at))?;

@@ -1,4 +1,4 @@
-//! Maps that GDAL wrote, compared with what GDAL reads from them.
+//! Compares maps written by GDAL with GDAL's own reading.
 
 use crate::source::{Opacity, SampleKind, SourceLimits, open_source};
 use std::collections::BTreeMap;
@@ -11,7 +11,7 @@ const LIMITS: SourceLimits = SourceLimits {
 /// Columns of the files.
 const COLUMNS: usize = 72;
 
-/// All texels of 8 bits of a file, channels of one, and what the last means.
+/// All 8-bit texels of a file, the number of channels, and the meaning of the last.
 fn texels(name: &str) -> (Vec<u8>, usize, Option<Opacity>) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data");
     let source = open_source(&folder.join(name), LIMITS);
@@ -26,7 +26,7 @@ fn texels(name: &str) -> (Vec<u8>, usize, Option<Opacity>) {
     (all, info.channels, info.opacity)
 }
 
-/// Number `n` of the palettes of make.py.
+/// Palette entry `n` of make.py.
 fn colour(n: usize) -> [f64; 3] {
     [n * 17 % 256, 255 - n * 15, n * 40 % 256].map(|channel| channel as f64)
 }
@@ -64,7 +64,7 @@ fn maps_of_gdal_are_read_however_they_are_compressed() {
         };
         if name == "jpeg_mask.tif" {
             assert_eq!(*opacity, Some(Opacity::Mask));
-            // Northern rows are masked, and what they hold is not shown.
+            // Northern rows are masked, and their contents are hidden.
             right = match y < 12 {
                 true => vec![0.0; 4],
                 false => [right.as_slice(), &[255.0]].concat(),
@@ -95,7 +95,7 @@ fn what_decoding_takes_is_counted() {
     assert!(error.contains("a row of its strips or tiles"), "{error}");
 }
 
-/// Written by rasterio 1.4.4 with `photometric="RGB"`: 4 bands in LZW with a predictor and 5 in ZSTD, of which none is alpha; band c holds
+/// Written by rasterio 1.4.4 with `photometric="RGB"`: 4 bands in LZW with a predictor and 5 in ZSTD, none of which is alpha. Band c holds
 /// 3 x + 5 y + 60 c mod 256.
 #[test]
 fn channels_beside_the_colours_are_left_out() {
@@ -110,9 +110,9 @@ fn channels_beside_the_colours_are_left_out() {
     }
 }
 
-/// Written by rasterio 1.4.4. Fields of 50 x 25 texels have one colour, so that tiles of LZW have few codes, and the last column of tiles is
-/// half outside; tiles of 16 x 16 have fewer bytes than the file's tags; and a palette stands in a file that is called grey, as GDAL writes it
-/// where colours are set last.
+/// Written by rasterio 1.4.4. Fields of 50 x 25 texels have one colour, so LZW tiles have few codes, and the last column of tiles is half
+/// outside. Tiles of 16 x 16 have fewer bytes than the file's tags. One file is declared grey but has a palette, as GDAL writes it if colours
+/// are set last.
 #[test]
 fn tiles_of_gdal_are_read_whole() {
     for (name, columns) in [
@@ -162,8 +162,8 @@ fn wide(name: &str) -> (Vec<u16>, usize, Option<Opacity>, Option<String>) {
     (all, info.channels, info.opacity, source.colour_note())
 }
 
-/// Written by rasterio 1.4.4 without `PHOTOMETRIC=RGB`, as GDAL writes 16 bits: 3 bands, 4 of which none is alpha (ZSTD), and 4 in planes
-/// of which the last is alpha. Band c holds 900 x + 1700 y + 20 000 c mod 65 536.
+/// Written by rasterio 1.4.4 without `PHOTOMETRIC=RGB`, as GDAL writes 16 bits. The files have 3 bands, 4 without alpha (ZSTD), and 4 in
+/// planes with alpha as the last. Band c holds 900 x + 1700 y + 20 000 c mod 65 536.
 #[test]
 fn colours_of_16_bits_that_are_called_grey_are_colours() {
     for (name, channels) in [
@@ -184,7 +184,8 @@ fn colours_of_16_bits_that_are_called_grey_are_colours() {
     }
 }
 
-/// Written by rasterio 1.4.4 with NBITS of 10 and 12: 41 x + 97 y + 1000 c of so many bits. They are stretched over 16 bits.
+/// Written by rasterio 1.4.4 with NBITS of 10 and 12: 41 x + 97 y + 1000 c with that many bits. They are stretched to 16
+/// bits.
 #[test]
 fn samples_of_10_and_12_bits_reach_white() {
     for (name, bits, channels) in [
@@ -212,7 +213,7 @@ fn samples_of_10_and_12_bits_reach_white() {
     assert!(error.contains("fewer than 16 bits"), "{error}");
 }
 
-/// Written by rasterio 1.4.4 with NBITS = 2 and 2 for nothing: x / 3 + y / 5 of 4.
+/// Written by rasterio 1.4.4 with NBITS = 2 and no-data value 2: x / 3 + y / 5 mod 4.
 #[test]
 fn the_number_for_nothing_is_one_of_those_stored() {
     let (all, channels, opacity, _) = wide("grey2_nothing");

@@ -1,4 +1,4 @@
-//! Holes, repeated columns, poles, memory and rejections while a grid is made.
+//! Holes, repeated columns, poles, memory and rejections during construction of a grid.
 
 use super::super::*;
 use super::{degrees, grid_of};
@@ -10,7 +10,7 @@ fn holes_are_filled_and_counted() {
     let place = Georeference::from_bounds(Registration::Cells, &bounds, 40, 40).unwrap();
     let plane = |n: usize| (n % 40) as f32 * 10.0;
     let mut heights: Vec<f32> = (0..1600).map(plane).collect();
-    // One sample, and an infinity: both from what is round them.
+    // One NaN and one infinity: both are filled from their surroundings.
     heights[20 * 40 + 20] = f32::NAN;
     heights[10 * 40 + 30] = f32::INFINITY;
     let grid = HeightGrid::new(&place, heights.clone(), &GridLimits::default()).unwrap();
@@ -25,7 +25,7 @@ fn holes_are_filled_and_counted() {
     assert!((grid.height_m(lat, lon, 0.0) - 200.0).abs() < 11.0);
     assert_eq!(grid.weight(lat, lon), 1.0);
 
-    // A wedge of the north-east: near data it is filled, from 9 samples on it is left.
+    // A hole at the north-east corner: filled near data, left from 9 samples on.
     for row in 0..20 {
         heights[row * 40 + 20..(row + 1) * 40].fill(f32::NAN);
     }
@@ -69,7 +69,7 @@ fn a_hole_across_the_seam_is_measured_round_it() {
     assert!((weight(-152.5) - 0.8).abs() < 1e-9 && (weight(152.5) - 0.8).abs() < 1e-9);
     assert_eq!(weight(-132.5), 1.0);
 
-    // Data begin east of the date line: the last column is next to them.
+    // Data begin east of the date line: the last column is adjacent to them.
     let mut heights = vec![100.0f32; 72 * 36];
     for row in heights.chunks_exact_mut(72) {
         row[52..].fill(f32::NAN);
@@ -94,7 +94,8 @@ fn a_repeated_column_is_dropped_and_rows_at_poles_get_one_height() {
         (8, true)
     );
     assert!(grid.height_m(FRAC_PI_2, 1.0, 0.0).abs() < 1e-4);
-    // 21 601 x 10 801 files that call their posts cells: half a cell too large all round.
+    // Files of 21 601 x 10 801 that declare their posts as cells: half a cell too large on all
+    // sides.
     let place = Georeference {
         columns: 9,
         rows: 5,

@@ -5,7 +5,7 @@ use super::{degrees, grid_of, noise};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Grids of all kinds, wild heights in them.
+/// Grids of all kinds with extreme heights.
 pub fn kinds() -> Vec<HeightGrid> {
     let globe = Bounds::GLOBE;
     let local = degrees(30.0, 41.0, 170.0, 20.0);
@@ -24,7 +24,7 @@ pub fn kinds() -> Vec<HeightGrid> {
         grid_of(Cells, &degrees(80.0, 90.0, 10.0, 30.0), (9, 9), noise),
         grid_of(Cells, &local, (17, 1), |lat, lon| noise(lat, lon).round()),
         grid_of(Cells, &local, (70, 70), |lat, lon| {
-            // A quarter of it without data.
+            // A quarter without data.
             if lon > 3.1 && lat > 0.63 {
                 f64::NAN
             } else {
@@ -37,7 +37,7 @@ pub fn kinds() -> Vec<HeightGrid> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Neighbouring places have neighbouring heights, at every spacing, also across cells, the date line and poles.
+    /// Neighbouring places have similar heights, at every spacing, also across cells, the date line and poles.
     #[test]
     fn heights_are_continuous(
         kind in 0usize..13,
@@ -49,18 +49,19 @@ proptest! {
         let grids = kinds();
         let grid = &grids[kind];
         let step = grid.finest_spacing_rad();
-        // Half of the places next to a pole, the date line or a row or column.
+        // Half of the places are next to a pole, the date line or a row or column.
         let bounds = grid.bounds();
         let mut lat = bounds.south_rad + v * (bounds.north_rad - bounds.south_rad);
         let mut lon = u * PI;
         if turn < 1.0 { lat = (lat / step).round() * step }
         if turn > 5.0 { lon = PI }
         lat = lat.clamp(-FRAC_PI_2, FRAC_PI_2);
-        // A local grid's far side is not asked for: there its nearer border changes.
+        // The far side of a local grid is skipped: there its nearer border changes.
         if !grid.place.lattice.is_periodic {
             lon = bounds.west_rad + (0.5 + 0.2 * u) * bounds.width_rad;
         }
-        // On a column and on a row: there interpolation goes from one pair of samples to the next.
+        // On a column and on a row: there interpolation changes from one pair of samples to the
+        // next.
         let super::super::georeference::SampleLattice { west_rad, lon_step_rad, north_rad, lat_step_rad, columns, rows, .. } = grid.place.lattice;
         let column = west_rad + (u.abs() * 0.5 * columns as f64).floor() * lon_step_rad;
         let row = north_rad - (v * rows as f64).floor() * lat_step_rad;
@@ -76,7 +77,7 @@ proptest! {
                 prop_assert!((here - there).abs() <= 2.0 * steepest * tiny, "{here} and {there}");
             }
         }
-        // In the spacing too.
+        // Continuous in the spacing too.
         let there = grid.height_m(lat, lon, steps * step + tiny * step);
         prop_assert!((here - there).abs() < 1e-3, "{here} and {there}");
         let edge = grid.height_m(lat, lon, 4.0 * step * (1.0 - 1e-12));
@@ -94,7 +95,7 @@ proptest! {
             let here = grid.height_m(pole, 0.0, spacing);
             let there = grid.height_m(pole, lon, spacing);
             prop_assert!((here - there).abs() < 1e-6, "{here} and {there}");
-            // Beyond it nothing changes.
+            // Beyond the pole the height is constant.
             prop_assert_eq!(there, grid.height_m(pole * 1.3, lon, spacing));
         }
     }
@@ -138,7 +139,7 @@ proptest! {
         }
     }
 
-    /// Weights are those of the documentation: continuous, 0 at the border and beyond, 1 well inside.
+    /// Weights are as documented: continuous, 0 at the border and beyond, 1 well inside.
     #[test]
     fn weights_are_continuous(
         kind in 0usize..13, v in -0.1..1.1f64, u in -0.1..1.1f64, turn in 0.0..6.3f64,
@@ -154,7 +155,7 @@ proptest! {
         prop_assert!((weight - there).abs() < 1e-5);
         let is_outside = !(0.0..=1.0).contains(&u) && !grid.place.lattice.is_periodic;
         prop_assert!(!is_outside || weight == 0.0);
-        // Alone in its bounds means alone in each place of them.
+        // If the grid alone determines the bounds, it does so at each of their places.
         let asked = Bounds { south_rad: lat, north_rad: lat + 0.01, west_rad: lon, width_rad: 0.02 };
         if grid.rules(&asked) {
             for (v, u) in [(0.0, 0.0), (0.5, 0.3), (1.0, 1.0), (0.0, 1.0), (1.0, 0.0)] {

@@ -6,10 +6,10 @@ use crate::elevation::read::HeightFileError;
 use crate::elevation::read::error::FileContext;
 use std::io::{BufRead, Seek};
 
-/// How far coordinates may lie from equal steps, in steps: those of single precision stray that far.
+/// Largest deviation of coordinates from equal steps, in steps; single precision causes that much.
 const UNEVEN: f64 = 0.05;
 
-/// What an axis is called.
+/// Names of an axis.
 pub(super) struct Axis {
     name: &'static str,
     /// Its units (CF Conventions 1.11, 4.1 and 4.2), in lower case.
@@ -40,7 +40,7 @@ pub(super) const LONGITUDE: Axis = Axis {
 };
 
 impl Axis {
-    /// Whether a variable of coordinates is of this axis.
+    /// Whether a coordinate variable belongs to this axis.
     pub(super) fn is_of(&self, variable: &Variable) -> bool {
         let name = variable.name.to_ascii_lowercase();
         let unit = text(&variable.attributes, "units").map(|unit| unit.trim().to_ascii_lowercase());
@@ -80,7 +80,7 @@ impl Axis {
             Ok::<_, HeightFileError>(())
         })?;
         if self.name == "lon" {
-            // 179, −180 is a step to the east.
+            // A step from 179 to −180 goes east.
             let mut turns = 0.0;
             let mut before = f64::NEG_INFINITY;
             for value in &mut degrees {

@@ -1,7 +1,7 @@
-//! The classic container (CDF-1, CDF-2) and that of 64-bit data (CDF-5).
+//! The classic container (CDF-1, CDF-2) and the one for 64-bit data (CDF-5).
 //!
-//! Format: Unidata, "The NetCDF Classic Format Specification"; "CDF-5 Format Specification". All numbers are big-endian, names and
-//! values are padded to four bytes.
+//! Format: Unidata, "The NetCDF Classic Format Specification"; "CDF-5 Format Specification". All numbers are big-endian; names and values are padded
+//! to four bytes.
 
 use super::number::NumberType;
 use super::stored::Values;
@@ -23,13 +23,13 @@ pub(super) fn contents<R: Read>(
         context,
         version: 0,
     };
-    // The caller has seen the first three.
+    // The caller has checked the first three bytes.
     [_, _, _, head.version] = head.bytes()?;
     let records = head.count()?;
     let mut dimensions = Vec::new();
     for _ in 0..head.list(10)? {
         let name = head.name()?;
-        // Values of one record lie together, as those of no record do; those of several lie between others.
+        // A single record is contiguous, as data without records are; several records are interleaved.
         let length = match head.count()? {
             0 if records == 1 => 1,
             length => length,
@@ -48,7 +48,7 @@ pub(super) fn contents<R: Read>(
     })
 }
 
-/// Reads the header, byte by byte within its bound.
+/// Reads the header byte by byte, within a limit.
 struct HeaderReader<'a, R> {
     reader: std::io::Take<&'a mut R>,
     context: &'a FileContext,
@@ -67,7 +67,7 @@ impl<R: Read> HeaderReader<'_, R> {
         self.bytes().map(u32::from_be_bytes)
     }
 
-    /// A number of things: 64 bits wide where data are.
+    /// A count: 64 bits wide in CDF-5.
     fn count(&mut self) -> Result<u64, HeightFileError> {
         match self.version {
             5 => self.bytes().map(u64::from_be_bytes),
@@ -75,7 +75,7 @@ impl<R: Read> HeaderReader<'_, R> {
         }
     }
 
-    /// So many bytes and their padding; only the first [`TEXT_BYTES`] are kept.
+    /// Reads this many bytes and their padding; keeps only the first [`TEXT_BYTES`].
     fn run(&mut self, bytes: u64) -> Result<Vec<u8>, HeightFileError> {
         let kept = bytes.min(TEXT_BYTES);
         let mut run = vec![0; kept as usize];
@@ -98,7 +98,7 @@ impl<R: Read> HeaderReader<'_, R> {
         Ok(String::from_utf8_lossy(&bytes).into_owned())
     }
 
-    /// How many entries a list of this tag has.
+    /// Number of entries in a list with this tag.
     fn list(&mut self, tag: u32) -> Result<u64, HeightFileError> {
         let (found, count) = (self.word()?, self.count()?);
         match (found, count) {
@@ -125,7 +125,7 @@ impl<R: Read> HeaderReader<'_, R> {
                 NumberType::Char => {
                     AttributeValue::Text(String::from_utf8_lossy(&bytes).into_owned())
                 }
-                // What follows the last number pads it to four bytes.
+                // The rest after the last number is padding to four bytes.
                 kind => {
                     let numbers = bytes.chunks_exact(kind.bytes());
                     let numbers = numbers.filter_map(|bytes| kind.number(bytes));

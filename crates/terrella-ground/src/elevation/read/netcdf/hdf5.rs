@@ -1,9 +1,9 @@
-//! The container of NetCDF-4: HDF5, as far as NetCDF-4, GMT, GDAL and h5py use it for grids.
+//! The container of NetCDF-4: the subset of HDF5 that NetCDF-4, GMT, GDAL and h5py use for grids.
 //!
-//! Format: The HDF Group, "HDF5 File Format Specification", version 3.0 (superblocks 0 to 3, object headers 1 and 2, all indexes of
-//! chunks); Unidata, "NetCDF-4 File Format"; The HDF Group, "HDF5 Dimension Scale Specification". Read are the variables of
-//! all groups, those of a group below the root by their path, `group/name`. A reader of the whole of HDF5 is some 30 000 lines and maps files into memory; this one reads what grids are stored
-//! by, each block within limits and, where it has one, with its checksum.
+//! Format: The HDF Group, "HDF5 File Format Specification", version 3.0 (superblocks 0 to 3, object headers 1 and 2, all chunk indexes). Unidata,
+//! "NetCDF-4 File Format"; The HDF Group, "HDF5 Dimension Scale Specification". The reader reads the variables of all groups; those below the root
+//! are named by their path, `group/name`. A complete HDF5 reader has some 30 000 lines and maps files into memory. This one reads each block within
+//! limits, and verifies its checksum if it has one.
 
 mod chunks;
 mod filters;
@@ -28,13 +28,14 @@ use source::{Fault, Fields, Sizes, Source};
 use std::collections::HashMap;
 use std::io::{Read, Seek, SeekFrom};
 
-/// What the class of a dimension scale is.
+/// The class name of a dimension scale.
 const SCALE: &str = "DIMENSION_SCALE";
 
-/// What NetCDF-4 calls the scale of a dimension without coordinates, before its length.
+/// Prefix that NetCDF-4 writes, before the length, for the scale of a dimension without
+/// coordinates.
 const NO_VARIABLE: &str = "This is a netCDF dimension but not a netCDF variable";
 
-/// What NetCDF-4 puts before the name of a variable that is called as a dimension and is not its scale.
+/// Prefix that NetCDF-4 writes for a variable that has the name of a dimension but is not its scale.
 const NOT_A_SCALE: &str = "_nc4_non_coord_";
 
 /// Reads the headers of a file, from its first byte.
@@ -45,7 +46,7 @@ pub(super) fn contents<R: Read + Seek>(
     read(reader).map_err(|fault| fault.of_file(context))
 }
 
-/// What is said of an object.
+/// Attributes of an object.
 struct Said {
     attributes: Attributes,
     /// The addresses of the dimension scales of each dimension.
@@ -58,7 +59,7 @@ fn read<R: Read + Seek>(reader: &mut R) -> Result<Contents, Fault> {
     let of_file = said(&mut source, &root)?;
     let mut sets = Vec::new();
     let mut dimensions = Vec::new();
-    // The dimension whose scale has this header.
+    // Dimensions by the address of their scale's header.
     let mut scales = HashMap::new();
     for (member, object) in group::tree(&mut source, &root)? {
         let Some(space) = object.one(kind::DATASPACE) else {
@@ -85,7 +86,7 @@ fn read<R: Read + Seek>(reader: &mut R) -> Result<Contents, Fault> {
         let (datatype, bytes) = message::datatype(datatype)?;
         let (kind, is_little) = match datatype {
             Datatype::Number { kind, is_little } => (kind, is_little),
-            // A grid mapping has attributes alone.
+            // A grid mapping has attributes only.
             Datatype::Text | Datatype::HeapText if space.sides.is_empty() => {
                 (NumberType::Char, true)
             }
@@ -145,7 +146,7 @@ fn superblock<R: Read + Seek>(reader: &mut R) -> Result<(Source<'_, R>, u64), Fa
     fields.sizes = sizes;
     let root = match version {
         0 | 1 => {
-            // The second has one field more.
+            // Version 1 has one more field.
             fields.take(if version == 0 { 9 } else { 13 })?;
             sizes.base = fields.defined()?;
             fields.take(3 * sizes.address)?;
@@ -235,7 +236,7 @@ impl Said {
             }
             Datatype::HeapReferences if attribute.name == "DIMENSION_LIST" => {
                 for _ in 0..attribute.count.min(message::MAX_RANK as u64) {
-                    // The first scale is that of NetCDF.
+                    // The first scale is NetCDF's.
                     let bytes = source.sizes.address;
                     let scale = in_heap(source, &mut attribute, bytes)?;
                     let mut all = [0; 8];
@@ -254,7 +255,7 @@ impl Said {
     }
 }
 
-/// The next value of variable length, of elements of so many bytes; its first bytes at most as many as texts have.
+/// The next value of variable length, with elements of `bytes` bytes; truncated to the maximum text length.
 fn in_heap<R: Read + Seek>(
     source: &mut Source<'_, R>,
     attribute: &mut Attribute<'_>,

@@ -1,17 +1,17 @@
-//! The grid mapping of a variable: which figure its latitudes and longitudes are of (CF Conventions 1.11, 5.6 and appendix F).
+//! The grid mapping of a variable: the ellipsoid of its latitudes and longitudes (CF Conventions 1.11, 5.6 and appendix F).
 
 use super::variable::{Variable, number, text};
 use crate::elevation::read::HeightFileError;
 use crate::elevation::read::error::FileContext;
 use terrella_frames::Ellipsoid;
 
-/// Figures whose equatorial radius differs by more are of other systems: GRS80 and WGS72 lie within, Clarke's and Bessel's do not.
+/// Tolerance of the equatorial radius. GRS80 and WGS72 are within it; the ellipsoids of Clarke and Bessel are not.
 const SAME_RADIUS_M: f64 = 3.0;
 
-/// A prime meridian nearer than this to Greenwich is that of Greenwich, degrees: a tenth of a metre.
+/// A prime meridian this close to Greenwich counts as Greenwich, degrees: a tenth of a metre.
 const GREENWICH_DEG: f64 = 1e-6;
 
-/// Rejects a variable whose mapping is another than latitude and longitude of WGS84, or of what lies within metres of it.
+/// Rejects a variable whose mapping is not latitude and longitude of WGS84 or of a system within metres of it.
 pub(super) fn check(
     variables: &[Variable],
     chosen: &Variable,
@@ -44,10 +44,10 @@ pub(super) fn check(
     }
 }
 
-/// The variable that `grid_mapping` names, in the group of the variable or in one above it.
+/// The variable named by `grid_mapping`, in the variable's group or a group above it.
 fn mapping<'v>(variables: &'v [Variable], of: &Variable) -> Option<&'v Variable> {
     let named = text(&of.attributes, "grid_mapping")?;
-    // In its longer form the coordinates follow: `crs: lat lon`.
+    // In the longer form the coordinates follow: `crs: lat lon`.
     let name = named.split_whitespace().next()?.trim_end_matches(':');
     let mut path = of.name.as_str();
     loop {

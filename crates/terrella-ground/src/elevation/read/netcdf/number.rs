@@ -1,6 +1,6 @@
-//! Types of numbers.
+//! Number types.
 
-/// Type of numbers of the file. All containers hand them over with the highest byte first.
+/// Number type of the file. All containers deliver big-endian bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NumberType {
     Byte,
@@ -17,7 +17,7 @@ pub(super) enum NumberType {
 }
 
 impl NumberType {
-    /// By the code of the classic container; those of 64-bit data (CDF-5) have all of them, others the first six.
+    /// The type of a classic container's code. CDF-5 has all types, the others only the first six.
     pub(super) fn from_code(code: u32, version: u8) -> Option<Self> {
         use NumberType::{Byte, Char, Double, Float, Int, Long, Short};
         use NumberType::{UnsignedByte, UnsignedInt, UnsignedLong, UnsignedShort};
@@ -38,7 +38,7 @@ impl NumberType {
         known.get((code as usize).checked_sub(1)?).copied()
     }
 
-    /// Its place in the order of width: floats lie above whole numbers of the same bytes.
+    /// Rank by width: a float is above an integer of the same size.
     pub(super) fn rank(self) -> usize {
         2 * self.bytes() + usize::from(matches!(self, Self::Float | Self::Double))
     }
@@ -52,7 +52,7 @@ impl NumberType {
         }
     }
 
-    /// The first number of some bytes that hold one at least.
+    /// The first number of `bytes`, if it contains one.
     #[inline]
     pub(super) fn number(self, bytes: &[u8]) -> Option<f64> {
         Some(match self {
@@ -70,7 +70,7 @@ impl NumberType {
         })
     }
 
-    /// Numbers of whole, signed kinds that are meant as unsigned, and no others: what a negative one stands for.
+    /// Reinterprets a negative number of a signed integer type as unsigned. Other numbers stay.
     #[inline]
     pub(super) fn unsigned(self, number: f64) -> f64 {
         match self {
@@ -81,7 +81,7 @@ impl NumberType {
         }
     }
 
-    /// What the library fills unwritten values with.
+    /// The library's default fill value.
     pub(super) fn default_fill(self) -> Option<f64> {
         match self {
             Self::Byte | Self::Char | Self::UnsignedByte => None,

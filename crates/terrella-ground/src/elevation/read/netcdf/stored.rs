@@ -1,22 +1,22 @@
-//! Where the values of a variable lie, and reading them row by row.
+//! Location of a variable's values, and reading them row by row.
 
 use super::hdf5::layout::{Layout, Place};
 use crate::elevation::read::HeightFileError;
 use crate::elevation::read::error::FileContext;
 use std::io::{BufRead, Seek, SeekFrom};
 
-/// Size of a variable of one or two dimensions, and others of length 1 before them.
+/// Size of a variable of one or two dimensions, after other dimensions of length 1.
 pub(super) struct Shape {
-    /// Of one dimension, 1.
+    /// 1 for one dimension.
     pub rows: usize,
     pub columns: usize,
-    /// Bytes of a value.
+    /// Bytes per value.
     pub bytes: usize,
 }
 
-/// Where the values of a variable lie.
+/// Location of a variable's values.
 pub(super) enum Values {
-    /// Row after row from this byte on, the highest byte of each value first.
+    /// Contiguous big-endian rows from this byte on.
     Plain {
         begin: u64,
     },
@@ -24,7 +24,7 @@ pub(super) enum Values {
 }
 
 impl Values {
-    /// Looks up what must be known before values are read, such as where the chunks lie.
+    /// Resolves what reading needs, such as the location of the chunks.
     pub(super) fn found<R: BufRead + Seek>(
         &self,
         reader: &mut R,
@@ -47,10 +47,10 @@ impl Values {
     }
 }
 
-/// Values that can be read.
+/// Values with a resolved location.
 pub(super) struct Found {
     place: Place,
-    /// The lowest byte of each value is stored first.
+    /// Whether values are little-endian.
     is_little: bool,
 }
 
@@ -63,7 +63,7 @@ impl Found {
         }
     }
 
-    /// Bytes that reading holds at most.
+    /// Peak memory of reading, bytes.
     pub(super) fn working_bytes(&self, shape: &Shape) -> u64 {
         let row = (shape.columns * shape.bytes) as u64;
         match &self.place {
@@ -73,7 +73,7 @@ impl Found {
         }
     }
 
-    /// Hands over all values once, in stretches of a row: row, first column, and values whose highest byte is first.
+    /// Passes on all values once, in stretches of a row: row, first column, and big-endian values.
     pub(super) fn read<R: BufRead + Seek, E: From<HeightFileError>>(
         &self,
         reader: &mut R,
@@ -130,7 +130,7 @@ impl Found {
     }
 }
 
-/// Turns the order of the bytes of each value round.
+/// Reverses the bytes of each value.
 fn turn_round(values: &mut [u8], bytes: usize) {
     match bytes {
         2 => values

@@ -1,16 +1,16 @@
-//! Variables and their attributes, whatever container holds them.
+//! Variables and their attributes, independent of the container.
 
 use super::number::NumberType;
 use super::stored::Values;
 use crate::elevation::geoid::VerticalDatum;
 use crate::elevation::read::missing::Missing;
 
-/// Most dimensions, attributes or variables of one list.
+/// Maximum dimensions, attributes or variables of one list.
 pub(super) const MAX_ENTRIES: u64 = 1024;
-/// Longest name or text that is kept, bytes.
+/// Maximum length of a stored name or text, bytes.
 pub(super) const TEXT_BYTES: u64 = 256;
 
-/// An attribute's values: a text or numbers, as many as are kept.
+/// An attribute's values: text or numbers, up to the limit.
 pub(super) enum AttributeValue {
     Text(String),
     Numbers(NumberType, Vec<f64>),
@@ -34,15 +34,15 @@ pub(super) fn number(attributes: &Attributes, name: &str) -> Option<f64> {
 
 pub(super) fn text<'a>(attributes: &'a Attributes, name: &str) -> Option<&'a str> {
     attributes.iter().find_map(|(n, value)| match value {
-        // C programs write the end of their strings too.
+        // C programs also write the terminating zero of their strings.
         AttributeValue::Text(text) if n == name => Some(text.trim_end_matches('\0')),
         _ => None,
     })
 }
 
-/// What a file holds, of those variables that can be read.
+/// Contents of a file, with its readable variables.
 pub(super) struct Contents {
-    /// Names and lengths; a length of 0 is that of records.
+    /// Names and lengths; a length of 0 marks the record dimension.
     pub dimensions: Vec<(String, u64)>,
     pub attributes: Attributes,
     pub variables: Vec<Variable>,
@@ -50,7 +50,7 @@ pub(super) struct Contents {
 
 pub(super) struct Variable {
     pub name: String,
-    /// Numbers of its dimensions, the slowest first.
+    /// Indices of its dimensions, the slowest first.
     pub dimensions: Vec<usize>,
     pub attributes: Attributes,
     pub kind: NumberType,
@@ -58,12 +58,13 @@ pub(super) struct Variable {
 }
 
 impl Variable {
-    /// Whether its whole numbers are meant as unsigned, which the classic format has no types for (NetCDF Users Guide, `_Unsigned`).
+    /// Whether its integers are meant as unsigned, for which the classic format has no types (NetCDF Users Guide, `_Unsigned`).
     pub(super) fn is_unsigned(&self) -> bool {
         text(&self.attributes, "_Unsigned").is_some_and(|word| word.eq_ignore_ascii_case("true"))
     }
 
-    /// Whether its numbers grow downwards (CF Conventions 1.11, 4.3 and the table of standard names).
+    /// Whether its values increase downwards (CF Conventions 1.11, 4.3 and the table of standard
+    /// names).
     pub(super) fn is_depth(&self) -> bool {
         let positive = text(&self.attributes, "positive");
         let name = text(&self.attributes, "standard_name");
@@ -71,14 +72,14 @@ impl Variable {
             || name.is_some_and(|name| name.starts_with("sea_floor_depth_below"))
     }
 
-    /// What its heights stand above, `None` where its standard name does not say it.
+    /// Vertical datum of its heights, `None` if its standard name does not state it.
     pub(super) fn above(&self) -> Option<VerticalDatum> {
         let name = text(&self.attributes, "standard_name");
         name.filter(|name| name.ends_with("_reference_ellipsoid"))
             .map(|_| VerticalDatum::Ellipsoid)
     }
 
-    /// Numbers of an attribute as those of the variable are read.
+    /// Converts a number of an attribute as the variable's own values are converted.
     fn as_stored(&self, kind: NumberType, number: f64) -> f64 {
         match self.is_unsigned() && kind == self.kind {
             true => kind.unsigned(number),
@@ -86,7 +87,7 @@ impl Variable {
         }
     }
 
-    /// Stored numbers that mean no data (NetCDF Users Guide, appendix A); `None` for more than can be kept.
+    /// Stored numbers that mean no data (NetCDF Users Guide, appendix A); `None` if there are too many.
     pub(super) fn missing(&self) -> Option<Missing> {
         let mut values = Vec::new();
         for name in ["_FillValue", "missing_value"] {
@@ -111,7 +112,7 @@ impl Variable {
         })
     }
 
-    /// Lowest and highest stored number that are data.
+    /// Lowest and highest valid stored number.
     fn valid(&self) -> (f64, f64) {
         let first = |name| numbers(&self.attributes, name).map(|(kind, of)| (kind, of.first()));
         let (lowest, highest) = match numbers(&self.attributes, "valid_range") {
@@ -125,12 +126,12 @@ impl Variable {
         let bound = |bound: Option<(NumberType, &f64)>, outwards: f64| match bound {
             Some((kind, number)) => {
                 let stored = self.stored_bound(kind, *number);
-                // A bound in one precision must not cut off the same number in another.
+                // A bound in one precision must not exclude the same number in another.
                 stored + outwards * 1e-6 * (1.0 + stored.abs())
             }
             None => outwards * f64::INFINITY,
         };
-        // Unpacked, a negative scale turns the range round.
+        // After unpacking, a negative scale reverses the range.
         let is_turned = scale < 0.0
             && [lowest, highest]
                 .iter()
@@ -151,7 +152,7 @@ impl Variable {
         (bound - offset) / scale
     }
 
-    /// Whether a bound is one of unpacked numbers: it is of the type of scale and offset, and that is wider than the variable's.
+    /// Whether a bound refers to unpacked numbers. It then has the type of scale and offset, which is wider than the variable's.
     fn is_unpacked(&self, kind: NumberType) -> bool {
         let of = |name| numbers(&self.attributes, name).map(|(kind, _)| kind);
         let packing = [of("scale_factor"), of("add_offset")];

@@ -1,10 +1,10 @@
-//! TIFF of several bands, and of samples that share bytes.
+//! TIFF with several bands, and with samples that share bytes.
 
 use super::*;
 
 const BOTH: [u16; 2] = [16, 16];
 
-/// 6 × 4 pixels of two bands, heights of 100 n and of −n, side by side or in planes.
+/// 6 × 4 pixels of two bands, heights of 100 n and of −n, interleaved or in planes.
 fn two_bands(is_planar: bool) -> Plain {
     let bands = [|n: i16| n * 100, |n: i16| -n];
     let pixels = |n: i16| bands.map(|band| band(n));
@@ -22,11 +22,11 @@ fn two_bands(is_planar: bool) -> Plain {
         .with(284, shorts(&[if is_planar { 2 } else { 1 }]))
 }
 
-/// Bytes of a file of two planes, which has two strips.
+/// Bytes of a file with two planes and therefore two strips.
 fn of_planes(plain: Plain) -> Vec<u8> {
     let bytes = plain.bytes();
     let count = u16::from_le_bytes([bytes[8], bytes[9]]);
-    // Both entries become two LONGs, which stand behind the samples.
+    // Both entries become two LONGs after the samples.
     let mut file = bytes.clone();
     for entry in 0..usize::from(count) {
         let at = 10 + 12 * entry;
@@ -45,7 +45,7 @@ fn of_planes(plain: Plain) -> Vec<u8> {
     file
 }
 
-/// The height of the pixel of a number, by a file of 6 × 4.
+/// The height of pixel `n` in a file of 6 × 4.
 fn height_m(file: &HeightFile, n: u32) -> f64 {
     let (lat, lon) = (49.5 - f64::from(n / 6), 10.5 + f64::from(n % 6));
     file.grid.height_m(lat.to_radians(), lon.to_radians(), 0.0)
@@ -65,7 +65,7 @@ fn the_first_band_is_taken_or_the_one_that_is_named() {
             }
         }
         assert!(said(bytes.clone(), "band = 3").contains("has no band 3, which its sidecar names"));
-        // The default choice of a band gives a notice.
+        // A default choice of band gives a notice.
         let note = |sidecar: &str| {
             let sidecar = Sidecar::from_toml(sidecar, Path::new("dem.toml")).expect("good");
             let path = Path::new("dem.tif");
@@ -105,11 +105,11 @@ fn alpha_takes_heights_away() {
             alpha(two_bands(false)).bytes(),
             of_planes(alpha(two_bands(true))),
         ] {
-            // The second band is 0 in its first sample alone.
+            // The second band is 0 only in its first sample.
             let file = read(bytes.clone(), "").unwrap_or_else(|error| panic!("{error}"));
             assert_eq!(file.grid.stats().holes, 1);
             assert!((height_m(&file, 23) - 2300.0).abs() < 1e-6);
-            // It is no alpha where it is the heights.
+            // The second band is no alpha if it holds the heights.
             let file = read(bytes, "band = 2").unwrap_or_else(|error| panic!("{error}"));
             assert_eq!(file.grid.stats().holes, 0);
         }
@@ -121,7 +121,7 @@ fn samples_of_10_and_12_bits_are_read() {
     for bits in [10_u16, 12, 14] {
         let value = |n: u32| (n * 41) % (1 << bits);
         let rows = (0..4).map(|row| {
-            // The bits of a row, the highest first; each row begins with a byte.
+            // The bits of a row, the highest first; each row starts at a byte.
             let all = (0..6).flat_map(|column| {
                 let value = value(row * 6 + column);
                 (0..bits).rev().map(move |bit| value >> bit & 1 == 1)
@@ -159,7 +159,7 @@ fn samples_of_10_and_12_bits_are_read() {
 fn whole_numbers_of_64_bits_and_floats_of_16_are_read() {
     let height = |n: u32| f64::from(n) * 64.0 - 512.0;
     let signed = (0..24).flat_map(|n| (height(n) as i64).to_le_bytes());
-    // IEEE 754: 64 n − 512 by its powers of two.
+    // IEEE 754: 64 n − 512 as powers of two.
     let half = |value: f64| match value {
         0.0 => 0_u16,
         value => {

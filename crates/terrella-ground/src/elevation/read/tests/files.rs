@@ -1,4 +1,4 @@
-//! Files that are read.
+//! Files that are accepted.
 
 use super::*;
 use crate::elevation::{Elevation, Ground};
@@ -111,7 +111,7 @@ fn places_are_told_in_several_ways() {
     let file = read(matrix([1.0, 0.0, 0.0, 10.0, 0.0, 1.0, 0.0, 46.0]), "").unwrap();
     let turned = |lat: f64, lon: f64| height(96.0 - lat, lon);
     holds(&file, NORTH_WEST, 1.0, (6, 4), turned);
-    // A point inside, in the file's own NAD83, in radians.
+    // A tie point inside, in the file's own NAD83, in radians.
     let tie = doubles(&[2.0, 1.0, 0.0, 12f64.to_radians(), 49f64.to_radians(), 0.0]);
     let step = 1f64.to_radians();
     let plain = Plain::new()
@@ -128,7 +128,7 @@ fn places_are_told_in_several_ways() {
         (6, 4),
         height,
     );
-    // By the sidecar alone: edges across the date line, and a middle.
+    // By the sidecar alone: edges across the date line, and a centre.
     let bare = || {
         Plain::new()
             .without(33_550)
@@ -236,7 +236,7 @@ fn no_data_values_become_holes() {
     );
 }
 
-/// The grids of the starter pack lie where they should: well-known heights, and each in the other's frame.
+/// The grids of the starter pack are placed correctly: known heights, and each in the other's frame.
 #[test]
 fn the_starter_pack_is_read() {
     let textures = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("textures");
@@ -259,7 +259,8 @@ fn the_starter_pack_is_read() {
     assert!(at(&globe, 32.0, 88.0) > 4500.0);
     assert!((at(&globe, -90.0, 0.0) - 2800.0).abs() < 150.0);
     assert!((at(&globe, 0.0, 179.999) - at(&globe, 0.0, -179.999)).abs() < 5.0);
-    // Blanca Peak (4374 m) within half a kilometre, the San Luis Valley west of it, the plains in the east.
+    // Blanca Peak (4374 m) within half a kilometre, the San Luis Valley to its west, the plains in the
+    // east.
     let mut peak: f64 = 0.0;
     for n in 0..100 {
         let (v, u) = (
@@ -271,7 +272,7 @@ fn the_starter_pack_is_read() {
     assert!(peak > 4200.0, "{peak}");
     assert!((at(&trinidad, 37.5, -105.64) - 2310.0).abs() < 60.0);
     assert!(at(&trinidad, 37.7, -104.8) < 2000.0);
-    // Averaged as coarsely as the globe's samples, both tell the same.
+    // Averaged to the spacing of the globe's samples, both agree.
     let ground = Ground::new([Arc::clone(&globe), Arc::clone(&trinidad)]);
     let (lat, lon) = (37.6_f64.to_radians(), -105.2_f64.to_radians());
     let coarse = globe.finest_spacing_rad();
@@ -287,7 +288,7 @@ fn the_starter_pack_is_read() {
     );
 }
 
-/// A single wrong height of a file is drawn as it is, or taken out where that is asked for.
+/// A single wrong height is drawn as it is, or removed on request.
 #[test]
 fn single_wrong_heights_are_taken_out_if_asked() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -353,7 +354,7 @@ fn heights_above_the_ellipsoid_are_brought_to_the_sea() {
             "above = \"ellipsoid\"",
             Some(VerticalDatum::Ellipsoid),
         ),
-        // A vertical system counts before that of the ellipsoid with height.
+        // A vertical system overrides the datum of WGS84 with height.
         (
             &[(2048, 4979), (4096, 5773)],
             "",
@@ -381,7 +382,7 @@ fn heights_above_the_ellipsoid_are_brought_to_the_sea() {
     );
 }
 
-/// Planes over the metres of UTM and of polar stereographic are planes over the places that these are.
+/// Planes over the metres of UTM and of polar stereographic stay planes at the corresponding places.
 #[test]
 fn projected_heights_are_warped() {
     use crate::elevation::projection::Projection;
@@ -430,7 +431,7 @@ fn projected_heights_are_warped() {
             }
         }
     }
-    // Keys that spell out the same as EPSG:32633, and one that is no projection near WGS84.
+    // Keys that spell out EPSG:32633, and one that is no projection near WGS84.
     let spelt = |geographic: u16| {
         let mut directory = vec![
             1, 1, 0, 9, 1024, 0, 1, 1, 1025, 0, 1, 1, 2048, 0, 1, geographic, 3072, 0, 1, 32_767,

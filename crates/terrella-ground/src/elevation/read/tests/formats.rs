@@ -1,4 +1,4 @@
-//! SRTM's `.hgt`, ASCII grids, DTED, and GeoTIFF as GDAL compresses it.
+//! SRTM's `.hgt`, ASCII grids, DTED, and GeoTIFF with GDAL's compressions.
 
 use super::*;
 use std::io::Write;
@@ -7,7 +7,7 @@ use std::io::Write;
 fn height(row: usize, column: usize) -> i16 {
     match (row, column) {
         (100..102, 200..203) => -32_768,
-        // Whole.
+        // Integer values.
         _ => (2 * column) as i16 - (row / 2) as i16 + 700,
     }
 }
@@ -17,7 +17,7 @@ fn hgt() -> Vec<u8> {
     all.flat_map(i16::to_be_bytes).collect()
 }
 
-/// A zip file of one deflated file, and one beside it that counts for nothing.
+/// A zip file with one deflated file, and another beside it that is ignored.
 fn zipped(name: &str, bytes: &[u8]) -> Vec<u8> {
     let mut deflated = flate2::write::DeflateEncoder::new(Vec::new(), flate2::Compression::fast());
     deflated.write_all(bytes).expect("written");
@@ -120,7 +120,7 @@ fn hgt_lies_where_its_name_says() {
         assert!((bounds.south_rad - south.to_radians()).abs() < 1e-12);
         assert!((bounds.width_rad - 1f64.to_radians()).abs() < 1e-12);
     }
-    // Without a place in its name the sidecar says it.
+    // If the name states no position, the sidecar does.
     let place = "bounds = { south_deg = 1, north_deg = 2, west_deg = 3, east_deg = 4 }\nregistration = \"posts\"";
     let file = read_as("tile.hgt", hgt(), place).expect("good");
     assert!((at(&file, 2.0, 3.0) - 700.0).abs() < 1e-3);
@@ -206,7 +206,7 @@ fn ascii_grids_are_read() {
             right,
         );
     }
-    // One number a line; −9999 is nothing unless it says otherwise.
+    // One number per line; −9999 means no data unless declared otherwise.
     let text = GRID.replace("NODATA_value -1\n", "")
         + &numbers()
             .replace([' ', '\r'], "\n")
@@ -361,7 +361,7 @@ fn an_ascii_grid_lies_in_the_system_beside_it() {
     let utm = "PROJCS[\"WGS 84 / UTM zone 33N\",AUTHORITY[\"EPSG\",\"32633\"]]";
     std::fs::write(folder.path().join("g.prj"), utm).expect("written");
     let file = open().expect("good");
-    // The middle of the cell in row 11 and column 12, of 24 from the north.
+    // The centre of the cell in row 11 and column 12, of 24 from the north.
     let projection = crate::elevation::projection::Projection::of_code(32_633).expect("known");
     let (lat_rad, lon_rad) = projection.inverse_rad(401_250.0, 5_201_250.0);
     let got = file.grid.height_m(lat_rad, lon_rad, 0.0);
@@ -396,7 +396,7 @@ fn heights_of_gdal_are_read_however_they_are_compressed() {
             let file = read_heights(bytes, Some(&sidecar), &path, &GridLimits::default());
             file.unwrap_or_else(|error| panic!("{error}")).grid
         });
-        // The middle of a cell of 5 degrees.
+        // The centre of a cell of 5 degrees.
         let (lon, lat) = (numbers[0] * 5.0 - 177.5, 87.5 - numbers[1] * 5.0);
         let got = file.height_m(lat.to_radians(), lon.to_radians(), 0.0);
         assert!(
@@ -434,7 +434,7 @@ fn the_files_of_a_virtual_raster_are_read_as_gdal_reads_it() {
             panic!("{line}");
         };
         let (lon, lat) = (column * 5.0 - 177.5, 87.5 - row * 5.0);
-        // The hole of the uppermost file is filled there, and not by that below.
+        // The hole of the uppermost file is filled from that file, not from the one below.
         let file = grids
             .iter()
             .find(|grid| grid.bounds().contains(lat.to_radians(), lon.to_radians()));

@@ -1,7 +1,9 @@
-//! NetCDF-4, by files of the library's own writers (HDF5 2.0 of h5py 3.16, 2.2 of netCDF4 1.7.5).
-//!
-//! All hold the plane of the other files, south first and over the date line, 0.25° apart. `netcdf4_i16.nc`: netCDF4, packed by 0.5
-//! and 3000, chunks of 10 × 12 by shuffle, deflate and Fletcher's checksum, more attributes than a header holds, sample (16, 16)
+//! NetCDF-4, with files from the libraries' own writers (HDF5 2.0 of h5py 3.16, 2.2 of netCDF4
+//! 1.7.5).
+//! All files hold the plane of the other files, south first and across the date line, 0.25° apart. `netcdf4_i16.nc` is from
+//! netCDF4, packed by 0.5 and 3000, in chunks of 10 × 12 with shuffle, deflate and Fletcher's checksum. It has more attributes than
+//! a header holds, and sample (16, 16) is missing. The others are from h5py, by `create_dataset(name, z.shape, kind, …)` with
+//! scales attached to both dimensions:
 //! missing. The others: h5py, `create_dataset(name, z.shape, kind, …)` with scales attached to both dimensions:
 //!
 //! | file | `libver` | chunks | |
@@ -20,7 +22,7 @@ use super::*;
 const SOUTH_WEST: (f64, f64) = (36.25, 178.0);
 const STEP: f64 = 0.25;
 
-/// Compares rows and columns from the south west with the plane.
+/// Compares rows and columns from the south-west with the plane.
 #[track_caller]
 fn holds_plane(file: &HeightFile, (columns, rows): (u32, u32)) {
     let north = SOUTH_WEST.0 + f64::from(rows - 1) * STEP;
@@ -30,7 +32,7 @@ fn holds_plane(file: &HeightFile, (columns, rows): (u32, u32)) {
 #[test]
 fn netcdf_4_is_read() {
     let file = open("netcdf4_i16.nc");
-    // Filled from around it: the mean of a plane.
+    // Filled from its surroundings: the mean of a plane.
     assert_eq!(file.undeclared, 0);
     let (lat, lon) = (40.25_f64, 182.0_f64);
     let filled = file.grid.height_m(lat.to_radians(), lon.to_radians(), 0.0);
@@ -84,7 +86,7 @@ fn grids_in_groups_are_named_by_their_path() {
         let said = said(bytes.clone(), wanted);
         assert!(said.contains("one of: model/deep/z, fine/z"), "{said}");
     }
-    // The only grid needs no name, and a link that leads back ends.
+    // A single grid needs no name, and a cyclic link ends.
     holds_plane(&open("hdf5_group_i16.nc"), (4, 3));
 }
 
@@ -185,7 +187,7 @@ fn damaged_netcdf_4_is_reported_with_its_place() {
 
 #[test]
 fn filters_that_are_not_read_are_named() {
-    // Deflate, which version 1 of the message names, becomes another filter.
+    // Changes deflate, which version 1 of the message names, to another filter.
     let mut bytes = std::fs::read(data("hdf5_early_f32.nc")).expect("a file");
     let deflate = [
         1, 0, 8, 0, 1, 0, 1, 0, b'd', b'e', b'f', b'l', b'a', b't', b'e', 0,
@@ -201,8 +203,8 @@ fn filters_that_are_not_read_are_named() {
     assert!(said.contains("h5repack -f GZIP=1"), "{said}");
 }
 
-/// Two rows of two 64-bit numbers, as the specification of CDF-5 lays them out: names and units of both dimensions, attributes of the
-/// variable.
+/// Two rows of two 64-bit numbers in the layout of the CDF-5 specification. The arguments are names and units of both dimensions, and
+/// attributes of the variable.
 fn cdf5(dimensions: [(&str, &str); 2], of_variable: &[(&str, &str)]) -> Vec<u8> {
     let mut file = b"CDF\x05".to_vec();
     let text = |file: &mut Vec<u8>, text: &str| {
@@ -259,7 +261,8 @@ const METRES: (&str, &str) = ("units", "m");
 
 #[test]
 fn netcdf_of_64_bit_data_is_read() {
-    // All units that the CF Conventions have for degrees, and degrees that the name says more of.
+    // All units that the CF Conventions allow for degrees, and plain degrees with a name that
+    // identifies the axis.
     for (lat, lon) in [
         ("degrees_north", "degrees_east"),
         ("degree_N", "degreesE"),
@@ -302,8 +305,8 @@ fn columns_in_place_of_rows_are_named() {
     );
 }
 
-/// Two rows of two heights of the plane in the classic format over `before`, latitude and longitude; with a length of 0 a dimension is
-/// that of records.
+/// Two rows of two heights of the plane in the classic format over `before`, latitude and longitude. A length of 0 makes a dimension
+/// the record dimension.
 fn classic(before: &[(&str, u32)], records: u32) -> Vec<u8> {
     let mut file = b"CDF\x01".to_vec();
     let word = |file: &mut Vec<u8>, word: u32| file.extend(word.to_be_bytes());
@@ -327,7 +330,7 @@ fn classic(before: &[(&str, u32)], records: u32) -> Vec<u8> {
     file.extend([0; 8]);
     let (lat, lon) = (before.len() as u32, before.len() as u32 + 1);
     let of_z: Vec<u32> = (0..all.len() as u32).collect();
-    // Bounds of latitudes have two dimensions, too.
+    // Bounds of latitudes also have two dimensions.
     let variables = [
         ("lat", vec![lat], "degrees_north", vec![1.0, 2.0]),
         ("lon", vec![lon], "degrees_east", vec![3.0, 4.0]),
@@ -381,8 +384,8 @@ fn other_dimensions_of_length_1_are_skipped() {
     }
 }
 
-/// `netcdf4_times_i16.nc`: netCDF4, variables of 16 × 32 of the plane over `time` (no limit, length 1) and more, as the names say; `bare`
-/// over dimensions without coordinates.
+/// `netcdf4_times_i16.nc`: netCDF4, variables of 16 × 32 of the plane over `time` (no limit, length 1) and others, as their names say.
+/// `bare` has dimensions without coordinates.
 #[test]
 fn netcdf_4_of_one_time_is_read() {
     let bytes = std::fs::read(data("netcdf4_times_i16.nc")).expect("a file");
@@ -391,7 +394,7 @@ fn netcdf_4_of_one_time_is_read() {
         let file = file.unwrap_or_else(|error| panic!("{name}: {error}"));
         holds(&file, (40.0, 178.0), 0.25, (32, 16), plane);
     }
-    // Dimensions without coordinates have no place.
+    // Dimensions without coordinates have no position.
     let bare = "variable = \"bare\"\nunit = \"metres\"\nregistration = \"posts\"\n\
                 bounds = { south_deg = 36.25, north_deg = 40, west_deg = 178, east_deg = 185.75 }";
     let file = read(bytes.clone(), bare).unwrap_or_else(|error| panic!("bare: {error}"));
@@ -400,7 +403,7 @@ fn netcdf_4_of_one_time_is_read() {
     assert!(said.contains("has no variable \"months\""), "{said}");
 }
 
-/// How fast the file is read that `TERRELLA_NETCDF` names: its values as they are stored, by the time of one thread.
+/// Prints how fast the file named by `TERRELLA_NETCDF` is read: its stored values per time of one thread.
 #[test]
 #[ignore = "prints a time"]
 fn print_reading_speed() {

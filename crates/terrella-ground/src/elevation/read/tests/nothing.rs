@@ -1,8 +1,8 @@
-//! Samples that hold nothing: by a number that nothing declares, by the text beside a file, by a mask in a file of its own.
+//! Samples without data: by an undeclared number, by the text beside a file, by a mask in a separate file.
 
 use super::*;
 
-/// 24 heights of 500 m, but for the first, which holds this number.
+/// 24 heights of 500 m, except the first, which has this value.
 fn first_is(first: f32) -> Plain {
     let mut heights = [500.0_f32; 24];
     heights[0] = first;
@@ -21,7 +21,7 @@ fn numbers_that_usually_mean_no_data_are_holes_and_told() {
         );
         assert_eq!(file.grid.stats().range.low_m, 500.0, "{first}");
     }
-    // Where something is declared, others are heights.
+    // With a declared value, the other usual values are heights.
     let declared = first_is(-9999.0).with(42_113, (2, b"-32768\0".to_vec()));
     for (bytes, sidecar) in [
         (declared.bytes(), ""),
@@ -32,13 +32,13 @@ fn numbers_that_usually_mean_no_data_are_holes_and_told() {
         assert_eq!((file.undeclared, file.grid.stats().holes), (0, 0));
         assert!(file.grid.stats().range.low_m < -9997.0);
     }
-    // In feet too: it is the stored number that counts.
+    // In feet too: the stored number counts.
     let feet = keys(&[(1024, 2), (1025, 1), (2048, 4326), (4099, 9002)]);
     let file = read(first_is(-9999.0).with(34_735, feet).bytes(), "").expect("good");
     assert_eq!(file.undeclared, 1);
 }
 
-/// The folder and the path of a file with what stands beside it.
+/// A file in a folder with another file beside it.
 fn beside(bytes: Vec<u8>, ending: &str, other: &[u8]) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("dem.tif");

@@ -1,4 +1,4 @@
-//! Files that are not.
+//! Files that are rejected.
 
 use super::*;
 
@@ -82,7 +82,7 @@ fn files_that_hold_no_heights_are_rejected() {
     );
     assert!(said(b"GIF89a and so on".to_vec(), "").contains("gdal_translate -of GTiff dem.tif"));
     assert!(said(Vec::new(), "").contains("none of the files"));
-    // Feet taken for metres, bytes in the wrong order.
+    // Feet declared as metres, bytes in the wrong order.
     let high = |value: i16| {
         Plain::new()
             .samples(16, 2, value.to_le_bytes().repeat(24))
@@ -117,7 +117,7 @@ fn truncated_and_lying_files_are_told() {
             ""
         };
         assert!(read(bytes.clone(), sidecar).is_ok(), "{name}");
-        // The last bytes may be a checksum that nothing needs, or padding.
+        // The last bytes may be an unneeded checksum or padding.
         for cut in (9..bytes.len() - 16).step_by(7) {
             let said = said(bytes[..cut].to_vec(), sidecar);
             assert!(said.len() < 600, "{said}");
@@ -129,7 +129,7 @@ fn truncated_and_lying_files_are_told() {
             }
         }
     }
-    // Sizes beyond the memory allowed are rejected before it is asked for: this file is a header and nothing else.
+    // Sizes beyond the memory limit are rejected before allocation: this file is only a header.
     let mut huge = Vec::new();
     let mut encoder = ::png::Encoder::new(&mut huge, 1_000_000, 900_000);
     encoder.set_depth(::png::BitDepth::Sixteen);
@@ -212,7 +212,7 @@ fn sidecars_are_read_line_by_line() {
 fn png_of_other_kinds_and_orders() {
     let globe = std::fs::read(data("globe_u16.png")).unwrap();
     let sidecar = std::fs::read_to_string(data("globe_u16.toml")).unwrap();
-    // Read in the wrong order, hardly a height is one of the Earth.
+    // In the wrong byte order, almost no height is possible on Earth.
     let little = format!("{sidecar}byte_order = \"little\"");
     assert!(said(globe.clone(), &little).contains("byte order"));
     assert!(said(globe.clone(), "").contains("has no bounds"));
@@ -244,7 +244,7 @@ fn png_of_other_kinds_and_orders() {
         file.grid.height_m(0.0, std::f64::consts::FRAC_PI_2, 0.0),
         100.0
     );
-    // The writer's mistake, and what mends it.
+    // The writer's mistake, and its remedy.
     let mut swapped = Vec::new();
     for height in [10_500u16, 11_700] {
         swapped.extend(height.to_le_bytes());
@@ -299,7 +299,7 @@ fn netcdf_of_other_kinds() {
         )
         .contains("truncated or damaged")
     );
-    // A list of four thousand million dimensions.
+    // A list of four billion dimensions.
     assert!(
         said(
             replace(

@@ -1,8 +1,8 @@
-//! Files that a world file places: six numbers, in degrees or in the system of a text beside it.
+//! Files placed by a world file: six numbers, in degrees or in the system of a text beside it.
 
 use super::*;
 
-/// A folder with `dem.tif`, and files beside it by their endings.
+/// A folder with `dem.tif`, and files beside it by extension.
 fn folder(bytes: Vec<u8>, beside: &[(&str, &str)]) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("dem.tif");
@@ -35,10 +35,10 @@ fn a_world_file_places_what_has_no_tags() {
         assert!((height_m(&path, 49.5, 10.5)).abs() < 1e-6, "{ending}");
         assert!((height_m(&path, 46.5, 15.5) - 2300.0).abs() < 1e-6);
         assert!((height_m(&path, 48.5, 11.5) - 700.0).abs() < 1e-6);
-        // It is among the files of the scene.
+        // It is listed among the files of the scene.
         assert!(height_files(&path).contains(&path.with_extension(ending)));
     }
-    // Pixels at their own numbers, as libraries write what has no place.
+    // Pixels at their own indices, as libraries write without a georeference.
     let mut identity = [0.0; 16];
     for n in [0, 5, 15] {
         identity[n] = 1.0;
@@ -51,7 +51,7 @@ fn a_world_file_places_what_has_no_tags() {
     let (_folder, path) = folder(bare(), &[METRES, ("tfw", "1 0 0 1 10.5 46.5")]);
     assert!((height_m(&path, 49.5, 10.5) - 1800.0).abs() < 1e-6);
     assert!(height_m(&path, 46.5, 10.5).abs() < 1e-6);
-    // What the tags or the sidecar say counts before it.
+    // The tags and the sidecar override it.
     let elsewhere = ("tfw", "1 0 0 -1 100 20");
     let (_folder, path) = folder(Plain::new().bytes(), &[elsewhere]);
     assert!((height_m(&path, 46.5, 15.5) - 2300.0).abs() < 1e-6);
@@ -61,7 +61,7 @@ fn a_world_file_places_what_has_no_tags() {
     assert!((height_m(&path, 46.5, 15.5) - 2300.0).abs() < 1e-6);
 }
 
-/// Zone 32 north of UTM, as Esri and GDAL write it.
+/// UTM zone 32 north, as Esri and GDAL write it.
 const UTM: &str = "PROJCS[\"WGS 84 / UTM zone 32N\",GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,298.257223563]],\
                    PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433]],PROJECTION[\"Transverse_Mercator\"],\
                    PARAMETER[\"latitude_of_origin\",0],PARAMETER[\"central_meridian\",9],PARAMETER[\"scale_factor\",0.9996],\
@@ -75,7 +75,7 @@ fn its_metres_are_those_of_the_system_beside_it() {
     // Column 2, row 1.
     assert!((height_m(&path, 45.0, 9.0) - 800.0).abs() < 1.0);
     assert!(height_files(&path).contains(&path.with_extension("prj")));
-    // Without it, metres are no degrees.
+    // Without the `.prj`, metres are not accepted as degrees.
     let (_folder, path) = folder(bare(), &[METRES, world]);
     let error = open_heights(&path, &GridLimits::default()).unwrap_err();
     let said = error.to_string();

@@ -1,4 +1,4 @@
-//! Which samples of a TIFF's pixels are heights.
+//! Selects the height sample of a TIFF's pixels.
 
 use super::{tiff_error, unsupported};
 use crate::elevation::read::HeightFileError;
@@ -8,26 +8,26 @@ use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult};
 use tiff::tags::Tag;
 
-/// TIFF's `SampleFormat` of unsigned whole numbers.
+/// TIFF's `SampleFormat` of unsigned integers.
 const UNSIGNED: u16 = 1;
 
 /// The samples of a pixel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bands {
-    /// Bits of a sample.
+    /// Bits per sample.
     pub bits: u16,
-    /// Samples of a pixel.
+    /// Samples per pixel.
     pub count: u16,
-    /// The sample that is the height, from 0.
+    /// Index of the height sample, from 0.
     pub height: u16,
-    /// The sample that is 0 where there is no height.
+    /// Index of the sample that is 0 where there is no height.
     pub alpha: Option<u16>,
-    /// Nobody has said which of several is the height.
+    /// Whether the height sample was chosen by default among several.
     is_guessed: bool,
 }
 
 impl Bands {
-    /// Of the current image; `wanted` counts from 1.
+    /// The bands of the current image; `wanted` counts from 1.
     pub fn of<R: Read + Seek>(
         decoder: &mut Decoder<R>,
         wanted: Option<u16>,
@@ -49,7 +49,7 @@ impl Bands {
             | ColorType::Multiband {
                 bit_depth: bits, ..
             } => bits,
-            // Colours are no floats.
+            // A float image has no colours.
             ColorType::RGB(bits) | ColorType::RGBA(bits) if format.first() != Some(&UNSIGNED) => {
                 bits
             }
@@ -86,12 +86,12 @@ impl Bands {
         })
     }
 
-    /// Bytes of a decoded sample.
+    /// Bytes per decoded sample.
     pub fn sample_bytes(&self) -> u64 {
         u64::from(self.bits).div_ceil(8)
     }
 
-    /// What is to be said of a choice that nobody has made.
+    /// Notice about a default choice.
     pub fn note(&self, context: &FileContext) -> Option<String> {
         self.is_guessed.then(|| {
             format!(
@@ -103,7 +103,7 @@ impl Bands {
     }
 }
 
-/// Where a sample of each pixel is not 0, of so many samples from `offset` on.
+/// Whether the sample at `offset` in each pixel of `stride` samples is not 0.
 pub(super) fn opaque(chunk: &DecodingResult, stride: usize, offset: usize) -> Vec<bool> {
     fn of<T: Copy>(
         values: &[T],

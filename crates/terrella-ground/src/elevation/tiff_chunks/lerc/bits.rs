@@ -1,8 +1,8 @@
-//! Bytes of a LERC blob, and whole numbers packed into as few bits as they need (`BitStuffer2` of the reference implementation).
+//! Bytes of a LERC blob, and integers packed into the fewest bits (`BitStuffer2` of the reference implementation).
 
 use super::LercError;
 
-/// Bytes that have not been read yet.
+/// Bytes that are still unread.
 pub(super) struct Bytes<'a>(pub &'a [u8]);
 
 impl<'a> Bytes<'a> {
@@ -33,7 +33,7 @@ impl<'a> Bytes<'a> {
         Ok(f64::from_le_bytes(self.array()?))
     }
 
-    /// Packed whole numbers: a byte of options, their count, and the numbers themselves or places in a table of them.
+    /// Packed integers: a byte of options, their count, and either the numbers or indices into a table.
     pub fn packed(&mut self, most: usize) -> Result<Vec<u32>, LercError> {
         let options = self.u8()?;
         let count = match options >> 6 {
@@ -50,7 +50,7 @@ impl<'a> Bytes<'a> {
         if options & 32 == 0 {
             return self.unpack(count, bits);
         }
-        // The first of the table is 0 and is not stored.
+        // The first table entry is 0 and is not stored.
         let stored = usize::from(self.u8()?)
             .checked_sub(1)
             .filter(|stored| *stored > 0 && bits > 0)
@@ -63,7 +63,7 @@ impl<'a> Bytes<'a> {
         numbers.ok_or(LercError::Damaged("a place beyond the table of numbers"))
     }
 
-    /// Numbers of so many bits, at most 31, the lowest bit first.
+    /// Numbers of `bits` bits, at most 31, the lowest bit first.
     fn unpack(&mut self, count: usize, bits: u32) -> Result<Vec<u32>, LercError> {
         let bytes = self.take((count * bits as usize).div_ceil(8))?;
         let (mut held, mut held_bits, mut rest) = (0_u64, 0, bytes.iter());
@@ -83,7 +83,8 @@ impl<'a> Bytes<'a> {
     }
 }
 
-/// Bits of 32-bit words, the highest bit first. Beyond the end are zeros, as the reference implementation reads one word ahead.
+/// Bits of 32-bit words, the highest bit first. Zeros follow the end, because the reference implementation reads one word
+/// ahead.
 pub(super) struct Words<'a> {
     bytes: &'a [u8],
     at_bit: usize,
@@ -94,7 +95,7 @@ impl<'a> Words<'a> {
         Self { bytes, at_bit: 0 }
     }
 
-    /// The next bit; nothing behind the last word.
+    /// The next bit; `None` after the last word.
     pub fn bit(&mut self) -> Option<u32> {
         let (word, bit) = (self.at_bit / 32, self.at_bit % 32);
         // Words are little-endian.
@@ -112,7 +113,7 @@ impl<'a> Words<'a> {
         Some(number)
     }
 
-    /// Bytes of the words that have been begun.
+    /// Bytes of all words started so far.
     pub fn used_bytes(&self) -> usize {
         self.at_bit.div_ceil(32) * 4
     }

@@ -6,7 +6,7 @@ use super::bits::{Bytes, Words};
 /// Longest code, bits.
 const LONGEST: u32 = 32;
 
-/// A tree of codes: each node has what follows a 0 and a 1.
+/// A code tree: each node stores the branches for 0 and 1.
 pub(super) struct Codes {
     nodes: Vec<[Branch; 2]>,
 }
@@ -19,7 +19,7 @@ enum Branch {
 }
 
 impl Codes {
-    /// Reads the lengths of all codes, then the codes. There are at most 256: LERC packs bytes this way and nothing else.
+    /// Reads the lengths of all codes, then the codes. There are at most 256: LERC uses Huffman codes only for bytes.
     pub fn read(bytes: &mut Bytes<'_>) -> Result<Self, LercError> {
         let damaged = LercError::Damaged("a table of codes that contradicts itself");
         let (version, size) = (bytes.i32()?, bytes.i32()?);
@@ -27,7 +27,7 @@ impl Codes {
         if version < 2 || size != 256 || first < 0 || first >= end || end - first > size {
             return Err(damaged);
         }
-        // Below 2^31, checked not to be negative.
+        // Below 2^31; checked not to be negative.
         let (first, end, size) = (first as usize, end as usize, size as usize);
         let lengths = bytes.packed(end - first)?;
         if lengths.len() != end - first {

@@ -4,19 +4,19 @@ use super::filters::Filters;
 use super::source::Fault;
 use std::io::{Read, Seek, SeekFrom};
 
-/// Where a chunk lies.
+/// Location of a chunk.
 #[derive(Clone, Copy, Debug)]
 pub struct Entry {
-    /// Its address, then its byte in the file.
+    /// Its address, later its byte in the file.
     pub at: u64,
-    /// As it is stored.
+    /// Stored size.
     pub bytes: u64,
-    /// Filters that were not applied to it, by bits.
+    /// Filters that were not applied to it, as bits.
     pub skipped: u32,
 }
 
 impl Entry {
-    /// A chunk that nobody wrote.
+    /// A chunk that was never written.
     pub const ABSENT: Self = Self {
         at: 0,
         bytes: 0,
@@ -24,17 +24,17 @@ impl Entry {
     };
 }
 
-/// All chunks of a variable, row after row.
+/// All chunks of a variable, in row order.
 pub struct Chunks {
-    /// Rows and columns of one.
+    /// Rows and columns of a chunk.
     pub chunk: (usize, usize),
-    /// Chunks side by side.
+    /// Chunks per row.
     pub across: usize,
-    /// Bytes of its values.
+    /// Bytes of a chunk's values.
     pub bytes: usize,
     pub entries: Vec<Entry>,
     pub filters: Filters,
-    /// A value that nobody wrote.
+    /// Value of samples that were never written.
     pub fill: Vec<u8>,
 }
 
@@ -49,7 +49,7 @@ impl Chunks {
         (down * self.chunk.0, across * self.chunk.1)
     }
 
-    /// Bytes of the list of chunks, and of one as it is stored, inflated and in order.
+    /// Bytes of the chunk list, and of one chunk as stored, decompressed and reordered.
     pub fn working_bytes(&self) -> u64 {
         let largest = self.entries.iter().map(|entry| entry.bytes).max();
         let list = size_of_val(self.entries.as_slice()) as u64;
@@ -62,7 +62,7 @@ impl Chunks {
         if entry.bytes == 0 {
             return Ok(self.fill.repeat(self.bytes / self.fill.len()));
         }
-        // At most twice the bytes of a chunk, which are limited.
+        // At most twice the size of a chunk, which is limited.
         let mut stored = vec![0; entry.bytes as usize];
         reader.seek(SeekFrom::Start(entry.at))?;
         reader.read_exact(&mut stored)?;

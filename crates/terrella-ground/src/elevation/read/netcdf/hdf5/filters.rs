@@ -1,15 +1,15 @@
-//! Filters of chunks (HDF5 File Format Specification, IV.A.2.l): what was done to the bytes, undone.
+//! Decodes chunk filters (HDF5 File Format Specification, IV.A.2.l).
 
 use super::source::{Fault, Fields};
 use std::io::Read;
 
-/// Most filters of a variable.
+/// Maximum number of filters of a variable.
 const MAX_FILTERS: u8 = 8;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Deflate,
-    /// The first bytes of all values, then the second ones, …
+    /// The first bytes of all values, then the second bytes, …
     Shuffle {
         bytes: usize,
     },
@@ -17,7 +17,7 @@ enum Kind {
     Zstd,
 }
 
-/// In the order in which they were applied.
+/// Filters in the order in which the writer applied them.
 #[derive(Clone, Debug, Default)]
 pub struct Filters(Vec<Kind>);
 
@@ -71,7 +71,7 @@ impl Filters {
         self.0.is_empty()
     }
 
-    /// Undoes all filters that were not skipped: bit n of `skipped` is that of the nth.
+    /// Reverses all filters that were not skipped: bit n of `skipped` belongs to the nth filter.
     pub fn undo(&self, mut bytes: Vec<u8>, skipped: u32, most: usize) -> Result<Vec<u8>, Wrong> {
         for (n, kind) in self.0.iter().enumerate().rev() {
             if skipped >> n & 1 != 0 {
@@ -94,7 +94,7 @@ impl Filters {
                     let stored = bytes.get(end..).and_then(<[u8]>::first_chunk).copied();
                     let stored = stored.map(u32::from_le_bytes);
                     let sum = fletcher32(&bytes[..end]);
-                    // Before HDF5 1.6.3 the bytes of both halves were exchanged.
+                    // Before HDF5 1.6.3 the two bytes of each half were swapped.
                     let old = (sum & 0x00FF_00FF) << 8 | sum >> 8 & 0x00FF_00FF;
                     if stored != Some(sum) && stored != Some(old) {
                         return Err(Wrong("a chunk with a wrong checksum (Fletcher)"));
@@ -108,11 +108,11 @@ impl Filters {
     }
 }
 
-/// What is wrong with a chunk.
+/// Error of a chunk.
 #[derive(Debug)]
 pub struct Wrong(pub &'static str);
 
-/// All bytes of a decoder, and one more than `most` and a checksum at most.
+/// All bytes of a decoder, at most a checksum and one byte more than `most`.
 fn inflated(decoder: impl Read, most: usize) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::with_capacity(most);
     decoder.take(most as u64 + 5).read_to_end(&mut bytes)?;
@@ -125,7 +125,7 @@ fn unshuffled(bytes: &[u8], of_value: usize) -> Vec<u8> {
     }
     let count = bytes.len() / of_value;
     let mut values = vec![0; bytes.len()];
-    // What is no whole value stays behind them.
+    // Bytes after the last complete value are kept at the end.
     values[count * of_value..].copy_from_slice(&bytes[count * of_value..]);
     if count > 0 {
         for (n, plane) in bytes.chunks_exact(count).take(of_value).enumerate() {
@@ -136,10 +136,10 @@ fn unshuffled(bytes: &[u8], of_value: usize) -> Vec<u8> {
     values
 }
 
-/// Fletcher's checksum of 16-bit words, the highest byte of each first, as HDF5 computes it (`H5checksum.c`).
+/// Fletcher checksum of big-endian 16-bit words, as HDF5 computes it (`H5checksum.c`).
 fn fletcher32(bytes: &[u8]) -> u32 {
     let (mut low, mut high) = (0_u64, 0_u64);
-    // 65 535 = 2¹⁶ − 1 counts as 0 in both sums; after so many words they still fit.
+    // 65 535 = 2¹⁶ − 1 counts as 0 in both sums; after a part of this many words they still fit.
     for part in bytes.chunks(720) {
         for word in part.chunks(2) {
             let word = [word[0], word.get(1).copied().unwrap_or(0)];

@@ -1,4 +1,4 @@
-//! Members of a group: names and addresses of what hard links lead to.
+//! Members of a group: names, and addresses of the targets of hard links.
 
 use super::heap::{self, FractalHeap};
 use super::object::{Object, kind};
@@ -7,23 +7,23 @@ use super::tree;
 use std::collections::HashSet;
 use std::io::{Read, Seek};
 
-/// Most members of a group, and most of all groups.
+/// Maximum members of a group, and of all groups together.
 const MAX_MEMBERS: usize = 1024;
 
-/// Deepest group below the root.
+/// Maximum depth of groups below the root.
 const MAX_DEPTH: usize = 16;
 
-/// Deepest tree of names.
+/// Maximum depth of a name tree.
 const MAX_LEVEL: u8 = 16;
 
 pub struct Member {
     pub name: String,
-    /// Of the header of its object.
+    /// Address of its object's header.
     pub address: u64,
 }
 
-/// Reads the headers of all objects below the root group that are no groups, each with its path from there. Of an object with several
-/// paths only the first found is read, so links that lead back end.
+/// Reads the headers of all objects below the root group that are not groups, each with its path from the root. Of an object with
+/// several paths only the first found is read, so cyclic links end.
 pub fn tree<R: Read + Seek>(
     source: &mut Source<'_, R>,
     root: &Object,
@@ -63,7 +63,7 @@ pub fn tree<R: Read + Seek>(
     Ok(objects)
 }
 
-/// Reads the members of a group. Soft links and links to other files are left out.
+/// Reads the members of a group. Soft and external links are skipped.
 fn members<R: Read + Seek>(
     source: &mut Source<'_, R>,
     group: &Object,
@@ -106,7 +106,7 @@ fn few(members: &[Member], fields: &Fields<'_>) -> Result<(), Fault> {
     }
 }
 
-/// What a link message leads to; nothing for those that are not hard links.
+/// Target of a link message; `None` for a link that is not hard.
 fn linked(mut link: Fields<'_>) -> Result<Option<Member>, Fault> {
     link.byte()?;
     let flags = link.byte()?;
@@ -124,7 +124,7 @@ fn linked(mut link: Fields<'_>) -> Result<Option<Member>, Fault> {
     }))
 }
 
-/// Adds the members of a tree of names of version 1.
+/// Adds the members of a name tree of version 1.
 fn symbols<R: Read + Seek>(
     source: &mut Source<'_, R>,
     address: u64,
@@ -157,7 +157,7 @@ fn symbols<R: Read + Seek>(
     Ok(())
 }
 
-/// Adds the members of a node of the symbol table.
+/// Adds the members of a symbol table node.
 fn symbol_node<R: Read + Seek>(
     source: &mut Source<'_, R>,
     address: u64,

@@ -1,12 +1,12 @@
-//! Heaps (HDF5 File Format Specification, III.D, III.E and III.G): names, attributes and values of variable length.
+//! Heaps (HDF5 File Format Specification, III.D, III.E and III.G): names, attributes and variable-length values.
 
 use super::source::{Block, Fault, Fields, Source, bytes_of};
 use std::io::{Read, Seek};
 
-/// Most rows of an indirect block: their sizes double.
+/// Maximum rows of an indirect block; block sizes double from row to row.
 const MAX_ROWS: usize = 64;
 
-/// Reads one value of variable length from a global heap.
+/// Reads one variable-length value from a global heap.
 pub fn global<R: Read + Seek>(
     source: &mut Source<'_, R>,
     address: u64,
@@ -54,7 +54,7 @@ pub fn local<R: Read + Seek>(source: &mut Source<'_, R>, address: u64) -> Result
     source.block(data, bytes)
 }
 
-/// A fractal heap: links and attributes where there are many.
+/// A fractal heap, used for many links or attributes.
 pub struct FractalHeap {
     /// Byte of its header, for messages.
     at: u64,
@@ -63,7 +63,7 @@ pub struct FractalHeap {
     id_bytes: usize,
     width: u64,
     start: u64,
-    /// Rows of direct blocks; further ones are of indirect blocks.
+    /// Rows of direct blocks; later rows hold indirect blocks.
     direct_rows: usize,
     root: Option<u64>,
     root_rows: usize,
@@ -85,7 +85,7 @@ impl FractalHeap {
         }
         fields.byte()?;
         let largest = u64::from(fields.word()?);
-        // Numbers of huge objects, free space, objects and their sizes.
+        // Counts and sizes of huge objects, free space and objects.
         fields.take(10 * sizes.length + 2 * sizes.address)?;
         let width = fields.short()? as u64;
         let (start, direct) = (fields.length()?, fields.length()?);
@@ -111,12 +111,12 @@ impl FractalHeap {
         })
     }
 
-    /// Bytes of the name of an object.
+    /// Bytes of an object's ID.
     pub fn id_bytes(&self) -> usize {
         self.id_bytes
     }
 
-    /// Reads an object by its name; none where it is too large to lie in the heap.
+    /// Reads an object by its ID; `None` if it is too large for the heap.
     pub fn object<R: Read + Seek>(
         &self,
         source: &mut Source<'_, R>,
@@ -144,7 +144,7 @@ impl FractalHeap {
         let astray = || damaged("a fractal heap without an object that is wanted");
         let mut block = self.root.ok_or_else(astray)?;
         let (mut rows, mut first) = (self.root_rows, 0u64);
-        // Of no rows, the root is a direct block.
+        // With no rows, the root is a direct block.
         while rows > 0 {
             let inside = offset.checked_sub(first).ok_or_else(astray)?;
             let (row, column, row_start) = self.locate(inside, rows).ok_or_else(astray)?;
@@ -163,7 +163,7 @@ impl FractalHeap {
             first = first.saturating_add(row_start + column * size);
             rows = match row < self.direct_rows {
                 true => 0,
-                // Each is as wide, and has rows until it is full.
+                // Each child is equally wide and has enough rows to fill its size.
                 false => (size.ilog2() - (self.start * self.width).ilog2()) as usize + 1,
             };
             if rows >= self.root_rows {
@@ -181,7 +181,7 @@ impl FractalHeap {
             .unwrap_or(u64::MAX >> 1)
     }
 
-    /// Row, column and start of the row of the block that holds an offset.
+    /// Row, column and start of the row for the block that contains an offset.
     fn locate(&self, offset: u64, rows: usize) -> Option<(usize, u64, u64)> {
         let mut start = 0u64;
         for row in 0..rows {

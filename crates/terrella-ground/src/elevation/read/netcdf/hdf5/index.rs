@@ -1,4 +1,4 @@
-//! Indexes of chunks (HDF5 File Format Specification, III.A.1 and VII): where each chunk lies.
+//! Chunk indexes (HDF5 File Format Specification, III.A.1 and VII): the location of each chunk.
 
 use super::chunks::Entry;
 use super::message::Dataspace;
@@ -6,18 +6,18 @@ use super::source::{Block, Fault, Fields, Source};
 use super::tree;
 use std::io::{Read, Seek};
 
-/// Deepest B-tree of version 1.
+/// Maximum depth of a B-tree of version 1.
 const MAX_LEVEL: u8 = 16;
-/// Most elements of an array.
+/// Maximum elements of an array.
 const MAX_ELEMENTS: u64 = 1 << 26;
 
-/// How chunks are found.
+/// Kind of a chunk index.
 pub enum Index {
     /// B-tree of version 1.
     Tree1,
-    /// There is one chunk; what it has been filtered to, and by what not.
+    /// A single chunk; if filtered, its size and the mask of skipped filters.
     Single(Option<(u64, u32)>),
-    /// Chunks lie one after another.
+    /// Chunks are contiguous.
     Implicit,
     FixedArray,
     ExtensibleArray,
@@ -25,23 +25,23 @@ pub enum Index {
     Tree2,
 }
 
-/// What the chunks are of.
+/// Dimensions of the chunked data.
 pub struct Shape<'a> {
     pub space: &'a Dataspace,
     /// Sides of a chunk, in values.
     pub chunk: &'a [u64],
-    /// Of an unfiltered chunk.
+    /// Bytes of an unfiltered chunk.
     pub chunk_bytes: u64,
     pub is_filtered: bool,
 }
 
-/// Takes the place of a chunk, counted in chunks along each dimension, and where it lies.
+/// Receives the position of a chunk, in chunks along each dimension, and its location.
 type Put<'a> = dyn FnMut(&[u64], Entry) -> Result<(), Fault> + 'a;
 
 impl Index {
-    /// Reads the kind of index of a layout message of version 4 or later.
+    /// Reads the index type from a layout message of version 4 or later.
     pub fn read(fields: &mut Fields<'_>, is_filtered: bool) -> Result<Self, Fault> {
-        // What the arrays and trees say again in their own headers is left out.
+        // Parameters that arrays and trees repeat in their own headers are skipped.
         Ok(match fields.byte()? {
             1 if is_filtered => Self::Single(Some((fields.length()?, fields.word()?))),
             1 => Self::Single(None),
@@ -63,7 +63,7 @@ impl Index {
     }
 }
 
-/// Hands over all chunks that an index knows.
+/// Passes on all chunks of an index.
 pub fn read<R: Read + Seek>(
     source: &mut Source<'_, R>,
     index: &Index,
@@ -124,7 +124,7 @@ pub fn read<R: Read + Seek>(
     }
 }
 
-/// Reads a B-tree of version 1 and those beneath it.
+/// Reads a B-tree of version 1 with its subtrees.
 fn tree1<R: Read + Seek>(
     source: &mut Source<'_, R>,
     address: u64,
@@ -170,12 +170,12 @@ fn tree1<R: Read + Seek>(
     Ok(())
 }
 
-/// The chunks of all values that there may be, numbered with the last dimension running fastest, but that without limit
-/// running slowest.
+/// The chunks of all possible values. Numbers run fastest along the last dimension, and slowest along the unlimited
+/// one.
 struct Grid {
-    /// How many along each dimension, in the order of the numbers.
+    /// Chunks along each dimension, in numbering order.
     sides: Vec<u64>,
-    /// The dimension that runs slowest.
+    /// The slowest dimension.
     slowest: usize,
 }
 
@@ -204,7 +204,7 @@ impl Grid {
         self.sides.iter().fold(1, product)
     }
 
-    /// The place of a number, counted in chunks along each dimension.
+    /// The position of a chunk number, in chunks along each dimension.
     fn place(&self, number: u64) -> Vec<u64> {
         let mut rest = number;
         let mut place = vec![0; self.sides.len()];
@@ -214,13 +214,13 @@ impl Grid {
             rest /= side;
         }
         place[0] = rest;
-        // What ran slowest goes back to its place.
+        // Moves the slowest dimension back to its place.
         place[..=self.slowest].rotate_left(1);
         place
     }
 }
 
-/// Elements of an array: each is where a chunk lies.
+/// Elements of an array; each is the location of a chunk.
 struct Elements<'a, 'p> {
     grid: Grid,
     shape: &'a Shape<'a>,
@@ -229,7 +229,7 @@ struct Elements<'a, 'p> {
 }
 
 impl Elements<'_, '_> {
-    /// Hands over elements of consecutive numbers.
+    /// Passes on elements with consecutive numbers.
     fn take(&mut self, fields: &mut Fields<'_>, first: u64, count: u64) -> Result<(), Fault> {
         for number in first..first.saturating_add(count) {
             let mut element = fields.part(self.bytes)?;
@@ -253,7 +253,7 @@ impl Elements<'_, '_> {
         Ok(())
     }
 
-    /// Hands over a data block: elements, or pages of them of which some may not have been written.
+    /// Passes on a data block: elements, or pages of them that may be unwritten.
     fn block<R: Read + Seek>(
         &mut self,
         source: &mut Source<'_, R>,
@@ -290,12 +290,12 @@ struct DataBlock<'a> {
     signature: &'a [u8; 4],
     /// Bytes before its elements.
     head_bytes: u64,
-    /// Number of its first element, and how many there are.
+    /// Number of its first element, and element count.
     first: u64,
     count: u64,
-    /// Elements of a page, where there are pages.
+    /// Elements per page, if it has pages.
     page: Option<u64>,
-    /// Which pages were written, the highest bit of each byte first, and the bit of the first page.
+    /// Bitmap of written pages, the highest bit of each byte first, and the bit of the first page.
     written: (&'a [u8], usize),
 }
 
@@ -359,14 +359,14 @@ fn fixed_array<R: Read + Seek>(
 
 /// Sizes of an extensible array.
 struct Extents {
-    /// Bytes of a number of elements.
+    /// Bytes of an element count.
     offset_bytes: usize,
     /// Elements of the index block, and of the smallest data block.
     of_index: u64,
     smallest: u64,
-    /// Elements of a page.
+    /// Elements per page.
     page: u64,
-    /// Elements that have been set, from the first on.
+    /// Elements in use, from the first on.
     set: u64,
 }
 
@@ -409,7 +409,8 @@ fn extensible_array<R: Read + Seek>(
         page: 1 << page_bits,
         set,
     };
-    // Data blocks of the first super blocks stand in the index block, and so do the addresses of the other super blocks.
+    // The index block contains the data block addresses of the first super blocks, and the addresses of the other super
+    // blocks.
     let supers = 1 + u32::from(bits) - log_smallest;
     let direct = (2 * u32::from(pointers).ilog2()).min(supers);
     let direct_blocks = 2 * (u64::from(pointers) - 1);
@@ -430,7 +431,7 @@ fn extensible_array<R: Read + Seek>(
         if first >= extents.set {
             break;
         }
-        // Of 2^⌊n/2⌋ data blocks, each of 2^⌈n/2⌉ times the smallest.
+        // A super block has 2^⌊n/2⌋ data blocks, each 2^⌈n/2⌉ times the smallest.
         let blocks = 1_u64 << (super_block / 2);
         let of_block = extents.smallest << super_block.div_ceil(2);
         if super_block < direct {
@@ -451,7 +452,7 @@ fn extensible_array<R: Read + Seek>(
         if let Some(address) = fields.address()? {
             let of_super = extents.super_block(source, address, blocks, of_block)?;
             let (maps, mut pointers) = of_super.fields_after(&extents, blocks, of_block)?;
-            // The bits of all data blocks follow each other.
+            // The bitmaps of all data blocks are contiguous.
             let pages = (of_block / extents.page) as usize;
             for n in 0..blocks as usize {
                 if let Some(address) = pointers.address()? {
@@ -476,7 +477,7 @@ fn extensible_array<R: Read + Seek>(
 struct SuperBlock(Block);
 
 impl SuperBlock {
-    /// Which pages of each data block were written, and then the addresses of the data blocks.
+    /// The page bitmaps of the data blocks, then the addresses of the data blocks.
     fn fields_after(
         &self,
         extents: &Extents,
@@ -491,7 +492,7 @@ impl SuperBlock {
 }
 
 impl Extents {
-    /// Bytes that say which pages of a data block were written.
+    /// Bytes of a data block's page bitmap.
     fn map_bytes(&self, of_block: u64) -> u64 {
         match of_block > self.page {
             true => (of_block / self.page).div_ceil(8),

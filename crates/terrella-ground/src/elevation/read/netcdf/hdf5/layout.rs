@@ -1,4 +1,4 @@
-//! Where the values of a data set lie (HDF5 File Format Specification, IV.A.2.i).
+//! Storage layout of a data set (HDF5 File Format Specification, IV.A.2.i).
 
 use super::chunks::{Chunks, Entry};
 use super::filters::Filters;
@@ -8,22 +8,22 @@ use super::object::{Object, kind};
 use super::source::{Fault, Fields, Sizes, Source};
 use std::io::{Read, Seek};
 
-/// Largest chunk, bytes, and most chunks of a variable.
+/// Maximum chunk size, bytes, and maximum chunks of a variable.
 const CHUNK_BYTES: usize = 256 << 20;
 const MAX_CHUNKS: usize = 1 << 21;
 
-/// Values of a data set of one or two dimensions, and others of length 1 before them.
+/// Values of a data set of one or two dimensions, after other dimensions of length 1.
 pub struct Layout {
-    /// The lowest byte of each value is stored first.
+    /// Whether values are little-endian.
     pub is_little: bool,
     sizes: Sizes,
     space: Dataspace,
     kind: Kind,
-    /// Stored bytes of values that nobody wrote.
+    /// Stored bytes of values that were never written.
     fill: Vec<u8>,
 }
 
-/// How values are stored.
+/// Kind of storage.
 enum Kind {
     Rows { address: Option<u64>, bytes: u64 },
     Held(Vec<u8>),
@@ -32,30 +32,30 @@ enum Kind {
 }
 
 struct Chunked {
-    /// Of the values, without that of their bytes.
+    /// Chunk sides in values, without the dimension of a value's bytes.
     sides: Vec<u64>,
     index: Index,
     address: Option<u64>,
     filters: Filters,
-    /// Chunks that reach beyond the last row or column were left unfiltered.
+    /// Whether chunks beyond the last row or column are unfiltered.
     has_plain_edges: bool,
 }
 
-/// Where values lie, once all is known.
+/// Resolved location of the values.
 pub enum Place {
-    /// Row after row from this byte on.
+    /// Contiguous rows from this byte on.
     Rows {
         begin: u64,
     },
-    /// Row after row.
+    /// Contiguous rows in memory.
     Held(Vec<u8>),
     Chunks(Chunks),
-    /// Nobody wrote any value: all are this one.
+    /// No value was written: all have this value.
     Fill(Vec<u8>),
 }
 
 impl Layout {
-    /// Reads the layout of a data set of values of so many bytes.
+    /// Reads the layout of a data set with values of `bytes` bytes.
     pub fn read(
         object: &Object,
         space: Dataspace,
@@ -94,7 +94,7 @@ impl Layout {
         })
     }
 
-    /// Looks up where values of so many rows, columns and bytes lie.
+    /// Resolves the location of the values for these rows, columns and value sizes.
     pub fn place<R: Read + Seek>(
         &self,
         reader: &mut R,
@@ -141,13 +141,13 @@ impl Layout {
         let Some(address) = chunked.address else {
             return Ok(Place::Fill(self.fill.clone()));
         };
-        // Of one dimension, the only row.
+        // One dimension means a single row.
         let side = |n: usize| match self.space.sides.len().checked_sub(2 - n) {
             Some(n) => usize::try_from(chunked.sides[n]).unwrap_or(usize::MAX),
             None => 1,
         };
         let chunk = (side(0), side(1));
-        // Chunks may be longer than a dimension that can grow: what counts comes first.
+        // Chunks may exceed a dimension that can grow; the used part comes first.
         let others = chunked.sides.iter().rev().skip(2);
         let layers = others.fold(1_u64, |all, side| all.saturating_mul(*side));
         let layers = usize::try_from(layers).unwrap_or(usize::MAX);
@@ -185,7 +185,7 @@ impl Layout {
                     [column] => (0, *column),
                     _ => return Ok(()),
                 };
-                // Chunks outside are left over from when there were more values.
+                // Chunks outside remain from an earlier, larger size.
                 if row >= down as u64 || column >= across as u64 {
                     return Ok(());
                 }
@@ -214,7 +214,7 @@ impl Layout {
     }
 }
 
-/// The value of a message of fill values, if it has one.
+/// The value of a fill value message, if present.
 fn fill_value(mut fields: Fields<'_>) -> Result<Option<&[u8]>, Fault> {
     let is_defined = match fields.byte()? {
         1 | 2 => fields.take(3)?[2] != 0,
@@ -228,7 +228,7 @@ fn fill_value(mut fields: Fields<'_>) -> Result<Option<&[u8]>, Fault> {
     fields.take(bytes).map(Some)
 }
 
-/// How values are stored, as a layout message says.
+/// The storage kind of a layout message.
 fn storage(mut fields: Fields<'_>, object: &Object, rank: usize) -> Result<Kind, Fault> {
     let version = fields.byte()?;
     if !(3..=5).contains(&version) {

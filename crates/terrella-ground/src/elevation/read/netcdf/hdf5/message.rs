@@ -3,13 +3,13 @@
 use super::source::{Fault, Fields};
 use crate::elevation::read::netcdf::number::NumberType;
 
-/// Most dimensions (IV.A.2.b).
+/// Maximum number of dimensions (IV.A.2.b).
 pub const MAX_RANK: usize = 32;
 
-/// Sizes of a data set.
+/// Dimensions of a data set.
 pub struct Dataspace {
     pub sides: Vec<u64>,
-    /// What they may grow to; all ones where there is no limit.
+    /// Maximum sizes; all bits set means unlimited.
     pub most: Vec<u64>,
 }
 
@@ -47,14 +47,14 @@ impl Dataspace {
         Ok(Self { sides, most })
     }
 
-    /// How many values there are.
+    /// Number of values.
     fn count(&self) -> u64 {
         let product = |all: u64, side: &u64| all.saturating_mul(*side);
         self.sides.iter().fold(1, product)
     }
 }
 
-/// Types of values that are read.
+/// Supported types of values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Datatype {
     Number {
@@ -65,14 +65,14 @@ pub enum Datatype {
     Text,
     /// Text in a global heap.
     HeapText,
-    /// Lists of addresses of objects in a global heap.
+    /// Lists of object addresses in a global heap.
     HeapReferences,
-    /// An address of an object.
+    /// Address of an object.
     Reference,
     Other,
 }
 
-/// A type, and the bytes of a value.
+/// A type, and the bytes per value.
 pub fn datatype(mut fields: Fields<'_>) -> Result<(Datatype, usize), Fault> {
     use NumberType::{Byte, Double, Float, Int, Long, Short};
     use NumberType::{UnsignedByte, UnsignedInt, UnsignedLong, UnsignedShort};
@@ -103,7 +103,7 @@ pub fn datatype(mut fields: Fields<'_>) -> Result<(Datatype, usize), Fault> {
             let [_, exponent, _, mantissa] = *fields.take(4)? else {
                 return Ok((Datatype::Other, bytes));
             };
-            // IEEE 754; VAX has both bits of the order set.
+            // IEEE 754; VAX sets both bits of the byte order.
             match (offset, precision, exponent, mantissa, bits & 0x40) {
                 (0, 32, 8, 23, 0) if bytes == 4 => number(Float),
                 (0, 64, 11, 52, 0) if bytes == 8 => number(Double),
@@ -119,21 +119,21 @@ pub fn datatype(mut fields: Fields<'_>) -> Result<(Datatype, usize), Fault> {
     Ok((read, bytes))
 }
 
-/// An attribute whose values are still bytes.
+/// An attribute with undecoded values.
 pub struct Attribute<'a> {
     pub name: String,
     pub datatype: Datatype,
-    /// Bytes of a value.
+    /// Bytes per value.
     pub bytes: usize,
     pub count: u64,
     pub values: Fields<'a>,
 }
 
-/// Reads an attribute; none of those whose type stands elsewhere.
+/// Reads an attribute; `None` if its type is stored elsewhere.
 pub fn attribute(mut fields: Fields<'_>) -> Result<Option<Attribute<'_>>, Fault> {
     let (version, flags) = (fields.byte()?, fields.byte()?);
     let (name, of_type, of_space) = (fields.short()?, fields.short()?, fields.short()?);
-    // The first version pads all three.
+    // Version 1 pads all three.
     let padded = |bytes: usize| match version {
         1 => bytes.next_multiple_of(8),
         _ => bytes,

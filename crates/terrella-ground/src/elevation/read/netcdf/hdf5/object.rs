@@ -1,13 +1,13 @@
-//! Headers of objects (HDF5 File Format Specification, IV.A.1): the messages that describe a group or a data set.
+//! Object headers (HDF5 File Format Specification, IV.A.1): the messages that describe a group or a data set.
 
 use super::source::{Block, Fault, Fields, Source};
 use std::io::{Read, Seek};
 
-/// Most blocks of one header, and most messages.
+/// Maximum blocks and messages of one header.
 const MAX_BLOCKS: usize = 64;
 const MAX_MESSAGES: usize = 4096;
 
-/// Kinds of messages that are read.
+/// Message types that are read.
 pub mod kind {
     pub const DATASPACE: u16 = 0x01;
     pub const LINK_INFO: u16 = 0x02;
@@ -24,10 +24,10 @@ pub mod kind {
     pub const ATTRIBUTE_INFO: u16 = 0x15;
 }
 
-/// One message: a place in a block.
+/// One message: a range in a block.
 struct Message {
     kind: u16,
-    /// It stands elsewhere, and this says where.
+    /// The message is stored elsewhere, and its contents locate it.
     is_shared: bool,
     block: usize,
     start: usize,
@@ -46,7 +46,7 @@ impl Object {
             blocks: Vec::new(),
             messages: Vec::new(),
         };
-        // The fixed part: the longest is that of version 2.
+        // The fixed part; version 2 has the longest.
         let rest = source
             .sizes
             .file
@@ -88,7 +88,7 @@ impl Object {
         Ok(object)
     }
 
-    /// Adds the messages of a block, and those blocks that it names.
+    /// Adds the messages of a block, and the blocks that it refers to.
     fn add(
         &mut self,
         block: Block,
@@ -98,7 +98,7 @@ impl Object {
     ) -> Result<(), Fault> {
         let mut fields = block.fields();
         fields.take(first)?;
-        // What is shorter than a message is a gap.
+        // A rest shorter than a message header is a gap.
         while fields.bytes.len() >= style.bytes() {
             let (kind, bytes, flags) = match style {
                 Style::Old => {
@@ -133,44 +133,44 @@ impl Object {
         Ok(())
     }
 
-    /// The messages of a kind, and whether each stands elsewhere.
+    /// The messages of a kind, and whether each is stored elsewhere.
     pub fn all(&self, kind: u16) -> impl Iterator<Item = (bool, Fields<'_>)> {
         let of_kind = self.messages.iter().filter(move |one| one.kind == kind);
         of_kind.map(|message| {
             let block = &self.blocks[message.block];
             let mut fields = block.fields();
-            // Both lie in the block.
+            // Both bounds are inside the block.
             fields.at += message.start as u64;
             fields.bytes = &block.bytes[message.start..message.start + message.bytes];
             (message.is_shared, fields)
         })
     }
 
-    /// The first message of a kind, if it stands in the header itself.
+    /// The first message of a kind that is stored in the header itself.
     pub fn one(&self, kind: u16) -> Option<Fields<'_>> {
         self.all(kind)
             .find_map(|(is_shared, fields)| (!is_shared).then_some(fields))
     }
 
-    /// Whether it is a group; the rest are sets of values and types.
+    /// Whether it is a group; other objects are data sets and types.
     pub fn is_group(&self) -> bool {
         [kind::SYMBOL_TABLE, kind::LINK_INFO, kind::LINK]
             .into_iter()
             .any(|kind| self.has(kind))
     }
 
-    /// Whether there is a message of a kind, here or elsewhere.
+    /// Whether a message of a kind exists, here or elsewhere.
     pub fn has(&self, kind: u16) -> bool {
         self.messages.iter().any(|message| message.kind == kind)
     }
 }
 
-/// How messages begin.
+/// Format of message headers.
 #[derive(Clone, Copy)]
 enum Style {
     Old,
     New {
-        /// Each says when it was made.
+        /// Whether messages have a creation order field.
         is_ordered: bool,
     },
 }
@@ -185,7 +185,7 @@ impl Style {
     }
 }
 
-/// The first block of a header of version 2, and where its messages begin.
+/// The first block of a version 2 header, and the start of its messages.
 fn new_header<R: Read + Seek>(
     source: &mut Source<'_, R>,
     address: u64,

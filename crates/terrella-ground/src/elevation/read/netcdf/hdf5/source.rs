@@ -5,10 +5,10 @@ use crate::elevation::read::error::FileContext;
 use std::io::{Read, Seek, SeekFrom};
 use terrella_files::printable;
 
-/// Largest block of structure that is read at once, and most of all of them, bytes.
+/// Maximum bytes of one structure block, and of all together.
 const BLOCK_BYTES: u64 = 16 << 20;
 const ALL_BYTES: u64 = 256 << 20;
-/// What the smallest block counts in that sum: reading many of them takes time too.
+/// Minimum charge of a block against that sum: reading many small blocks takes time too.
 const LEAST_BYTES: u64 = 256;
 
 /// Why a file could not be read.
@@ -39,10 +39,10 @@ impl Fault {
     }
 }
 
-/// Sizes that the superblock says.
+/// Field sizes stated in the superblock.
 #[derive(Clone, Copy, Debug)]
 pub struct Sizes {
-    /// Byte that addresses count from.
+    /// Byte offset of address 0.
     pub base: u64,
     /// Bytes of the file.
     pub file: u64,
@@ -52,11 +52,11 @@ pub struct Sizes {
     pub length: usize,
 }
 
-/// The file, of which blocks are read by their addresses.
+/// The file, with access to blocks by address.
 pub struct Source<'a, R> {
     pub reader: &'a mut R,
     pub sizes: Sizes,
-    /// Bytes that may still be read.
+    /// Remaining bytes that may be read.
     left: u64,
 }
 
@@ -89,7 +89,7 @@ impl<'a, R: Read + Seek> Source<'a, R> {
         })
     }
 
-    /// Reads a block that begins with a signature and ends with its checksum.
+    /// Reads a block that starts with a signature and ends with a checksum.
     pub fn checked(
         &mut self,
         address: u64,
@@ -105,7 +105,7 @@ impl<'a, R: Read + Seek> Source<'a, R> {
 }
 
 impl Sizes {
-    /// The byte of an address from which so many bytes lie in the file.
+    /// The file offset of an address, checked to have `bytes` bytes in the file.
     pub fn within(&self, address: u64, bytes: u64) -> Result<u64, Fault> {
         let at = address.saturating_add(self.base);
         match at.checked_add(bytes) {
@@ -118,9 +118,9 @@ impl Sizes {
     }
 }
 
-/// Some bytes of the file.
+/// Bytes of the file.
 pub struct Block {
-    /// Where they begin in the file.
+    /// Their offset in the file.
     pub at: u64,
     pub bytes: Vec<u8>,
     sizes: Sizes,
@@ -142,7 +142,7 @@ impl Block {
         }
     }
 
-    /// Compares the checksum at the end, and takes it off.
+    /// Compares the checksum at the end, and removes it.
     pub fn check(&mut self) -> Result<(), Fault> {
         let (at, end) = (self.at, self.bytes.len().saturating_sub(4));
         let stored = self.bytes.get(end..).and_then(<[u8]>::first_chunk);
@@ -155,11 +155,11 @@ impl Block {
     }
 }
 
-/// Fields one after another, the lowest byte of each first.
+/// Sequential little-endian fields.
 #[derive(Clone, Copy)]
 pub struct Fields<'a> {
     pub bytes: &'a [u8],
-    /// Where the next one lies in the file.
+    /// Offset of the next field in the file.
     pub at: u64,
     pub sizes: Sizes,
 }
@@ -177,14 +177,14 @@ impl<'a> Fields<'a> {
         Ok(taken)
     }
 
-    /// Fields of their own.
+    /// A sub-range of fields.
     pub fn part(&mut self, bytes: usize) -> Result<Self, Fault> {
         let (at, sizes) = (self.at, self.sizes);
         let bytes = self.take(bytes)?;
         Ok(Self { bytes, at, sizes })
     }
 
-    /// A whole number of at most 8 bytes.
+    /// An integer of at most 8 bytes.
     pub fn number(&mut self, bytes: usize) -> Result<u64, Fault> {
         if bytes > 8 {
             return Err(self.damaged("a number of more than 8 bytes"));
@@ -198,17 +198,17 @@ impl<'a> Fields<'a> {
         Ok(self.take(1)?[0])
     }
 
-    /// A number of two bytes.
+    /// An integer of two bytes.
     pub fn short(&mut self) -> Result<usize, Fault> {
         self.number(2).map(|number| number as usize)
     }
 
-    /// A number of four bytes.
+    /// An integer of four bytes.
     pub fn word(&mut self) -> Result<u32, Fault> {
         self.number(4).map(|number| number as u32)
     }
 
-    /// An address; none where it is undefined.
+    /// An address; `None` if undefined.
     pub fn address(&mut self) -> Result<Option<u64>, Fault> {
         let bytes = self.sizes.address;
         let address = self.number(bytes)?;
@@ -227,7 +227,7 @@ impl<'a> Fields<'a> {
     }
 }
 
-/// Bytes that hold every number up to this one.
+/// Bytes needed for every number up to this one.
 pub fn bytes_of(most: u64) -> usize {
     (64 - most.leading_zeros() as usize).div_ceil(8).max(1)
 }
@@ -249,7 +249,7 @@ fn checksum(bytes: &[u8]) -> u32 {
         b = b.wrapping_add(word(rest, 1));
         c = c.wrapping_add(word(rest, 2));
         for (n, turn) in [4, 6, 8, 16, 19, 4].into_iter().enumerate() {
-            // a −= c; a ^= rot(c); c += b, and so on round the three.
+            // a −= c; a ^= rot(c); c += b, then the same with the roles rotated.
             let (x, y, z) = match n % 3 {
                 0 => (&mut a, &b, &mut c),
                 1 => (&mut b, &c, &mut a),
@@ -267,7 +267,7 @@ fn checksum(bytes: &[u8]) -> u32 {
     b = b.wrapping_add(word(rest, 1));
     c = c.wrapping_add(word(rest, 2));
     for (n, turn) in [14, 11, 25, 16, 4, 14, 24].into_iter().enumerate() {
-        // c ^= b; c −= rot(b), and so on round the three.
+        // c ^= b; c −= rot(b), then the same with the roles rotated.
         let (x, y) = match n % 3 {
             0 => (&mut c, b),
             1 => (&mut a, c),

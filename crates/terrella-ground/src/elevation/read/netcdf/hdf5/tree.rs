@@ -1,23 +1,23 @@
-//! B-trees of version 2 (HDF5 File Format Specification, III.A.2): all records in their order.
+//! B-trees of version 2 (HDF5 File Format Specification, III.A.2): all records in order.
 
 use super::source::{Block, Fault, Source, bytes_of};
 use std::io::{Read, Seek};
 
-/// Deepest tree, and most bytes of all records that are kept.
+/// Maximum tree depth, and maximum bytes of all records.
 const MAX_DEPTH: usize = 16;
 const RECORD_BYTES: usize = 128 << 20;
 
-/// Where the records of a tree lie, one after another.
+/// The records of a tree, contiguous.
 pub struct Records {
     pub block: Block,
-    /// Bytes of a record.
+    /// Bytes per record.
     pub record: usize,
 }
 
-/// Sizes of the nodes of one level.
+/// Node sizes of one level.
 #[derive(Clone, Copy)]
 struct Level {
-    /// Most records of all nodes beneath, and bytes of such a number.
+    /// Maximum records of all nodes below, and bytes of that count.
     all: u64,
     all_bytes: usize,
 }
@@ -25,13 +25,13 @@ struct Level {
 struct Tree<'a, 's, R> {
     source: &'a mut Source<'s, R>,
     record: usize,
-    /// Bytes of a number of records.
+    /// Bytes of a record count.
     count_bytes: usize,
     levels: Vec<Level>,
     records: Vec<u8>,
 }
 
-/// Reads all records of a tree. No nodes make no records.
+/// Reads all records of a tree. An empty tree has no records.
 pub fn records<R: Read + Seek>(source: &mut Source<'_, R>, address: u64) -> Result<Records, Fault> {
     let sizes = source.sizes;
     let bytes = 22 + sizes.address as u64 + sizes.length as u64;
@@ -78,7 +78,7 @@ pub fn records<R: Read + Seek>(source: &mut Source<'_, R>, address: u64) -> Resu
 }
 
 impl<R: Read + Seek> Tree<'_, '_, R> {
-    /// Adds the records of a node and of those beneath it.
+    /// Adds the records of a node and of its subtrees.
     fn node(&mut self, address: u64, count: u64, level: usize) -> Result<(), Fault> {
         let of_records = count * self.record as u64;
         let Some(below) = level.checked_sub(1) else {
