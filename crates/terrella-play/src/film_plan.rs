@@ -193,7 +193,8 @@ fn file_name(satellite: Option<&str>, start: &str) -> PathBuf {
 /// A number with so many decimals.
 fn rounded(number: f64, decimals: i32) -> f64 {
     let ten = 10_f64.powi(decimals);
-    (number * ten).round() / ten
+    // Without the sign of a zero.
+    (number * ten).round() / ten + 0.0
 }
 
 /// A number of a scene, to a millionth.

@@ -34,7 +34,7 @@ pub fn show(
         .show(context, |ui| {
             ui.set_max_width(WIDTH.min(context.content_rect().width() - 40.0));
             ui.label(format!(
-                "{:.1} s of film, of the range that the time line plays, at its rate, from this view and with these layers.",
+                "A film of {:.1} s: the span and the rate of the time line, this view, these layers.",
                 plan.length_s
             ));
             let is_making = controls.film_in_work.is_some();
@@ -48,7 +48,7 @@ pub fn show(
                     None => plan.file.display().to_string(),
                 });
             });
-            ui.label("The same in a terminal:");
+            ui.label("The same film from a terminal:");
             egui::ScrollArea::vertical().max_height(HEIGHT).show(ui, |ui| {
                 let command = RichText::new(plan.command()).monospace();
                 ui.add(egui::Label::new(command).wrap().selectable(true));

@@ -278,7 +278,9 @@ impl TimeLine {
             return Err("the scene has no satellite, so none passes".into());
         };
         let Some(site) = self.site() else {
-            return Err("over which place? Write latitude and longitude into the time line".into());
+            return Err(
+                "over which place? Type its latitude and longitude, or click on the ground".into(),
+            );
         };
         let now = clock.now();
         let until = coverage
