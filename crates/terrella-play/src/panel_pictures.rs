@@ -134,7 +134,8 @@ fn print_interface_times() {
                 .context
                 .tessellate(output.shapes, output.pixels_per_point);
             times.push(began.elapsed().as_secs_f64() * 1e3);
-            assert!(!std::hint::black_box(triangles).is_empty());
+            // In the first frame windows find out their sizes.
+            assert!(frame == 0 || !std::hint::black_box(triangles).is_empty());
             output.textures_delta.clear();
         }
         // The first frames make letters.
