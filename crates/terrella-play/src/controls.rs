@@ -12,8 +12,8 @@ use super::satellite_list::SatelliteNames;
 use super::switches::{Site, Switches};
 use super::timeline::TimeLine;
 use crate::scene::CameraMode;
-use terrella::frames::{Ellipsoid, Epoch, Geodetic};
-use terrella::{Exposure, EyeView};
+use terrella::Exposure;
+use terrella::frames::{Epoch, Geodetic};
 
 /// Most that one event magnifies, as a power of two: more comes from a faulty device.
 const MAX_ZOOM_STEP: f64 = 8.0;
@@ -153,15 +153,13 @@ impl Controls {
     }
 
     /// What a film would show of this view.
-    pub fn film_view<'v>(&'v self, view: &'v EyeView, ellipsoid: &Ellipsoid) -> FilmView<'v> {
+    pub fn film_view(&self) -> FilmView<'_> {
         FilmView {
             clock: &self.clock,
             switches: &self.switches,
             free_eye: self.hand.eye(),
             mode: self.mode,
             fov_rad: self.fov_rad(),
-            view,
-            ellipsoid: *ellipsoid,
         }
     }
 

@@ -3,14 +3,13 @@
 use super::clock::Clock;
 use super::flight::Flight;
 use super::hand::FreeEye;
-use super::picking::ray;
+use super::output::free_name;
 use super::place_text::place_text;
 use super::switches::{Layer, Switches, tone_name};
 use crate::scene::{CameraMode, Scene, Setting};
-use glam::{DVec2, DVec3};
 use std::path::PathBuf;
-use terrella::frames::{Ellipsoid, rfc3339};
-use terrella::{Exposure, EyeView};
+use terrella::Exposure;
+use terrella::frames::rfc3339;
 
 /// What is written over a film whose scene has no captions of its own.
 const CAPTION: &str = "{satellite}, {time}";
@@ -45,9 +44,6 @@ pub struct FilmView<'v> {
     pub mode: CameraMode,
     /// Vertical field of view, radians.
     pub fov_rad: f64,
-    /// Where the eye is and what it sees.
-    pub view: &'v EyeView,
-    pub ellipsoid: Ellipsoid,
 }
 
 /// A film that can be made.
@@ -150,12 +146,7 @@ impl FilmPlan {
 
     /// The same to a file that is not there yet.
     pub fn fresh(mut self) -> Self {
-        let stem = self.file.with_extension("").display().to_string();
-        let numbered = (2_u32..).map(|n| PathBuf::from(format!("{stem}-{n}.mp4")));
-        let mut names = std::iter::once(self.file.clone()).chain(numbered);
-        if let Some(free) = names.find(|name| !name.exists()) {
-            self.file = free;
-        }
+        self.file = free_name(&self.file.with_extension(""), "mp4");
         if let Some(last) = self.arguments.last_mut() {
             *last = self.file.display().to_string();
         }
@@ -255,20 +246,19 @@ fn look_settings(own: &Switches, shown: &Switches) -> Vec<Setting> {
 fn camera_settings(source: &FilmSource, shown: &FilmView<'_>) -> Vec<Setting> {
     let mode = |word: &str| Setting::new("camera", "mode", toml::Value::from(word));
     match shown.free_eye {
-        Some(FreeEye::Orbit(_)) => {
-            let Some(place) = Standing::of(shown.view, &shown.ellipsoid) else {
-                return Vec::new();
-            };
+        Some(FreeEye::Orbit(camera)) => {
             let number = |key, value| Setting::new("camera", key, float(value));
+            let angle = |key, value: f64| number(key, value.to_degrees());
             let mut settings = vec![
                 mode("geodetic"),
-                number("lat_deg", place.lat_deg),
-                number("lon_deg", place.lon_deg),
-                number("height_km", place.height_km),
-                number("heading_deg", place.heading_deg),
-                number("pitch_deg", place.pitch_deg),
-                number("roll_deg", place.roll_deg),
-                number("fov_deg", shown.fov_rad.to_degrees()),
+                angle("lat_deg", camera.place.lat_rad),
+                angle("lon_deg", camera.place.lon_rad),
+                number("height_km", camera.place.height_m / 1000.0),
+                angle("heading_deg", camera.heading_rad),
+                angle("pitch_deg", camera.pitch_rad),
+                // The scene's own camera may be rolled.
+                number("roll_deg", 0.0),
+                angle("fov_deg", shown.fov_rad),
             ];
             if source.has_unnamed_satellite {
                 settings.push(Setting::new("orbit", "source", toml::Value::from("tle")));
@@ -283,50 +273,6 @@ fn camera_settings(source: &FilmSource, shown: &FilmView<'_>) -> Vec<Setting> {
             CameraMode::Chase => "chase",
             CameraMode::Geodetic => "geodetic",
         })],
-    }
-}
-
-/// An eye over the ground, as the keys of `[camera]` have it.
-struct Standing {
-    lat_deg: f64,
-    lon_deg: f64,
-    height_km: f64,
-    heading_deg: f64,
-    pitch_deg: f64,
-    roll_deg: f64,
-}
-
-impl Standing {
-    fn of(view: &EyeView, ellipsoid: &Ellipsoid) -> Option<Self> {
-        let (eye_itrf_m, _) = view.to_itrf();
-        let place = ellipsoid.geodetic_from_itrf(eye_itrf_m);
-        let size = DVec2::splat(1000.0);
-        let forward = ray(view, size, 0.5 * size)?;
-        let above = ray(view, size, DVec2::new(500.0, 0.0))?;
-        let upwards = above.reject_from_normalized(forward).try_normalize()?;
-        let up = Ellipsoid::normal(place.lat_rad, place.lon_rad);
-        let east = DVec3::new(-place.lon_rad.sin(), place.lon_rad.cos(), 0.0);
-        let north = up.cross(east);
-        let heading_of = |one: DVec3| one.dot(east).atan2(one.dot(north)).to_degrees();
-        let is_straight_down = forward.dot(up) < -1.0 + 1e-9;
-        let (heading_deg, roll_deg) = match is_straight_down {
-            // What is upwards on screen says where it looks.
-            true => (heading_of(upwards), 0.0),
-            false => {
-                let right = forward.cross(up).try_normalize()?;
-                let level = right.cross(forward);
-                let roll = upwards.dot(right).atan2(upwards.dot(level));
-                (heading_of(forward), roll.to_degrees())
-            }
-        };
-        Some(Self {
-            lat_deg: place.lat_rad.to_degrees(),
-            lon_deg: place.lon_rad.to_degrees(),
-            height_km: place.height_m / 1000.0,
-            heading_deg,
-            pitch_deg: forward.dot(up).clamp(-1.0, 1.0).asin().to_degrees(),
-            roll_deg,
-        })
     }
 }
 

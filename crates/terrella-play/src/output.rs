@@ -270,6 +270,22 @@ pub(super) fn make_folder(folder: &Path) -> Result<(), OutputError> {
     durable::make_folders(folder).map_err(|source| OutputError::write(folder, source))
 }
 
+/// `STEM.EXTENSION`, with a number where that is taken.
+#[cfg(feature = "window")]
+pub fn free_name(stem: &Path, extension: &str) -> PathBuf {
+    let named = |end: &str| {
+        let mut name = stem.as_os_str().to_owned();
+        name.push(format!("{end}.{extension}"));
+        PathBuf::from(name)
+    };
+    let mut numbered = (2_u32..).map(|n| named(&format!("-{n}")));
+    let first = named("");
+    match first.exists() {
+        true => numbered.find(|path| !path.exists()).unwrap_or(first),
+        false => first,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -114,13 +114,7 @@ pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec
                 });
             });
     }
-    panel_film::show(
-        context,
-        controls,
-        &data.moment.view,
-        &data.ellipsoid,
-        &mut actions,
-    );
+    panel_film::show(context, controls, &mut actions);
     if controls.help {
         show_help(context, &mut actions);
     }

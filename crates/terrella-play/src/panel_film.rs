@@ -4,8 +4,6 @@ use super::controls::Controls;
 use super::film_plan::FilmPlan;
 use super::keys::Action;
 use egui::{Align2, Context, RichText, Vec2};
-use terrella::EyeView;
-use terrella::frames::Ellipsoid;
 
 /// Widest dialog, points.
 const WIDTH: f32 = 520.0;
@@ -13,17 +11,11 @@ const WIDTH: f32 = 520.0;
 const HEIGHT: f32 = 140.0;
 
 /// Shows the dialog where it is open.
-pub fn show(
-    context: &Context,
-    controls: &Controls,
-    view: &EyeView,
-    ellipsoid: &Ellipsoid,
-    actions: &mut Vec<Action>,
-) {
+pub fn show(context: &Context, controls: &Controls, actions: &mut Vec<Action>) {
     let Some(source) = controls.film.as_ref().filter(|_| controls.asks_for_film) else {
         return;
     };
-    let plan = FilmPlan::new(source, &controls.film_view(view, ellipsoid));
+    let plan = FilmPlan::new(source, &controls.film_view());
     let mut is_open = true;
     egui::Window::new("Film")
         .open(&mut is_open)

@@ -9,7 +9,7 @@ use super::flight::{Flight, Moment};
 use super::frame_cost::FrameCosts;
 use super::keys::Action;
 use super::offscreen::rgba_image;
-use super::output::PendingFile;
+use super::output::{self, PendingFile};
 use super::overlay::{EventResponse, Overlay};
 use super::panel::{self, PanelData};
 use super::picking::MARKER_PX;
@@ -520,12 +520,7 @@ fn smooth(before: Option<f64>, newest: f64) -> f64 {
 fn free_name(folder: PathBuf, epoch: &str) -> PathBuf {
     // Colons are not allowed in file names on all systems.
     let stem = format!("terrella-{}", epoch.replace(':', "-"));
-    let first = folder.join(format!("{stem}.png"));
-    let numbered = (2_u32..).map(|n| folder.join(format!("{stem}-{n}.png")));
-    std::iter::once(first)
-        .chain(numbered)
-        .find(|path| !path.exists())
-        .unwrap_or_else(|| folder.join("terrella.png"))
+    output::free_name(&folder.join(stem), "png")
 }
 
 #[cfg(test)]

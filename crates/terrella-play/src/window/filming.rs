@@ -68,19 +68,14 @@ impl Filming {
 impl App<'_> {
     /// Has a film made of what is played.
     pub(super) fn make_film(&mut self) {
-        let shown = self.renderer.as_ref().and_then(|one| one.last_moment());
-        let (Some(program), Some(source), Some(moment)) =
-            (&self.request.program, &self.controls.film, shown)
-        else {
+        let (Some(program), Some(source)) = (&self.request.program, &self.controls.film) else {
             return;
         };
         if self.filming.is_some() {
             self.show_message("a film is being made; wait until it is there".to_owned());
             return;
         }
-        let ellipsoid = self.flight.ellipsoid();
-        let shown = self.controls.film_view(&moment.view, ellipsoid);
-        let plan = FilmPlan::new(source, &shown).fresh();
+        let plan = FilmPlan::new(source, &self.controls.film_view()).fresh();
         match Filming::start(program, self.request.adapter, &plan) {
             Ok(filming) => {
                 self.controls.film_in_work = Some(format!("making {}", plan.file.display()));
