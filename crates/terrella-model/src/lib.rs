@@ -76,12 +76,12 @@ pub struct Part {
     pub indices: Range<u32>,
 }
 
-/// A node that can be turned with all that hangs on it.
+/// A node that can be turned with its child nodes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joint {
     /// Of the node.
     pub name: String,
-    /// The joint that it hangs on, by its place in [`Model::joints`].
+    /// The parent joint, as an index into [`Model::joints`].
     pub parent: Option<usize>,
     /// Takes the axes of the node, as the file places it, to those of the model.
     pub model_from_node: DMat4,

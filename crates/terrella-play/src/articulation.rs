@@ -7,7 +7,7 @@ use terrella_model::Joint;
 /// A joint of a model with what turns it, in the axes of the model as its file places it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TurnedJoint {
-    /// The joint that it hangs on, by its place among those of the model.
+    /// The parent joint, as an index into the joints of the model.
     parent: Option<usize>,
     /// Where the axis goes through, metres.
     pivot_m: DVec3,
@@ -97,7 +97,7 @@ impl TurnedJoint {
 #[derive(Clone, Debug, Default)]
 pub struct TurnedJoints {
     joints: Vec<TurnedJoint>,
-    /// Their places, those that others hang on before these.
+    /// Their indices, parents first.
     order: Vec<usize>,
     moved: Vec<DAffine3>,
 }
@@ -192,9 +192,9 @@ mod tests {
         assert!(pivot.distance(DVec3::Y * 5.0) < 1e-12);
     }
 
-    /// A joint on a joint, listed before it: first its own turn, then that of what it hangs on.
+    /// A child joint listed before its parent: first its own turn, then that of the parent.
     #[test]
-    fn joints_move_with_those_that_they_hang_on() {
+    fn joints_move_with_their_parents() {
         let arm = joint(None, DMat4::IDENTITY);
         let hand = joint(Some(1), DMat4::from_translation(DVec3::X * 2.0));
         let about_z = |angle_deg| turned(DVec3::Z, even(angle_deg, 0.0));
