@@ -45,7 +45,8 @@
 //! | `terrella-pack` | packs made from large maps, and fetched maps |
 //! | `terrella-sensor` | camera sensors: lenses, point spread, electrons, noise |
 //! | `terrella-play` | scene files, pictures, films, the window |
-//! | `terrella-measure` | frame rates, the reference renderer, error against run time |
+//! | `terrella-reference` | the reference renderer: exact ray casting on the CPU |
+//! | `terrella-measure` | frame rates, error against run time |
 //! | `terrella-cli` | the command |
 //! | `terrella-maps` | the starter maps |
 //!
@@ -81,7 +82,8 @@
 //! | `sensor` | lenses, point spread, light to electrons and raw frames | GPU, files, scenes |
 //! | `scene` | the TOML file, defaults, checks with line and key | GPU |
 //! | `play` | clock, cameras, window, stills, video | |
-//! | `measure` | harness, reference renderer, error against run time, stability | |
+//! | `reference` | the image as it should be, ray by ray in double precision | code of what draws |
+//! | `measure` | harness, error against run time, stability | |
 //! | `cli` | arguments, progress, exit codes | mathematics |
 //!
 //! `docs/architecture.md` explains how each part works and why, and where to change what; `docs/glossary.md` explains the project's terms.

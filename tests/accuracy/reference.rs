@@ -8,7 +8,7 @@ use terrella::frames::{Ellipsoid, Epoch, Geodetic, sun_direction_itrf, utc_from_
 use terrella::{Atmosphere, EyeView, Shading, Sky, SurfaceLight, Tone};
 use terrella_ground::globe::Figure;
 use terrella_imagery::{EarthLayers, LayerImage};
-use terrella_measure::reference::{
+use terrella_reference::{
     Reference, ReferenceError, ReferenceOptions, ReferencePicture, ground_point, limb_angle_rad,
 };
 

@@ -6,7 +6,7 @@ use terrella_ground::globe::Figure;
 use terrella_measure::clear_air::{
     AirErrors, AirSet, RowError, ViewGroup, grey_ground, stored_albedo,
 };
-use terrella_measure::reference::{Reference, ReferenceOptions};
+use terrella_reference::{Reference, ReferenceOptions};
 
 /// Errors of the reference renderer for every `step`th row.
 fn by_reference(set: AirSet, step: usize) -> Option<AirErrors> {

@@ -6,9 +6,9 @@ use std::path::Path;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::{ContextError, GpuContext};
 use terrella::{EarthOptions, Exposure, Sky};
-use terrella_measure::reference::{Reference, ReferenceOptions};
 use terrella_play::scene::Scene;
 use terrella_play::{Flight, Moment, OffscreenRenderer};
+use terrella_reference::{Reference, ReferenceOptions};
 
 const SIZE: (u32, u32) = (112, 63);
 

@@ -12,7 +12,7 @@ use terrella_ground::elevation::{
 use terrella_ground::globe::contours::PageOptions;
 use terrella_ground::globe::projected_grid::GridOptions;
 use terrella_measure::errors::{GeolocationRenderer, GroundErrors, GroundPicture};
-use terrella_measure::reference::TrueRelief;
+use terrella_reference::TrueRelief;
 
 const SIZE: (u32, u32) = (160, 90);
 const ASPECT: f64 = 16.0 / 9.0;

@@ -9,9 +9,9 @@ use terrella_imagery::{EarthLayers, LayerImage};
 use terrella_measure::errors::{
     Difference, GeolocationErrors, GeolocationRenderer, SilhouetteErrors, geolocation, silhouette,
 };
-use terrella_measure::reference::{Reference, ReferenceOptions, ReferencePicture};
 use terrella_measure::{FrameTimer, GroundPath};
 use terrella_play::scene::CameraMode;
+use terrella_reference::{Reference, ReferenceOptions, ReferencePicture};
 
 const SIZE: (u32, u32) = (160, 90);
 const FIGURE: Ellipsoid = Ellipsoid::WGS84;

@@ -44,8 +44,10 @@ const MODULES: &[(&str, &[&str])] = &[
     ("sensor", &[]),
     ("scene", &["shipped", "files", "frames", "orbit", "basilisk", "globe", "air", "light", "sensor", "plan"]),
     ("play", &["files", "frames", "durable", "orbit", "basilisk", "elevation", "light", "imagery", "model", "sensor", "plan", "scene", "gpu", "earth", "offscreen", "celestial", "tracks"]),
-    ("measure", &["files", "frames", "orbit", "elevation", "globe", "air", "light", "imagery", "plan", "scene", "gpu", "earth", "offscreen", "play"]),
-    ("cli", &["files", "frames", "orbit", "basilisk", "globe", "imagery", "pack", "fetch", "scene", "gpu", "play", "measure"]),
+    // The image as it should be. It shares constants with what draws, but no code.
+    ("reference", &["frames", "elevation", "globe", "air", "light", "imagery", "plan", "earth"]),
+    ("measure", &["files", "frames", "orbit", "elevation", "globe", "air", "light", "imagery", "plan", "scene", "gpu", "earth", "offscreen", "play", "reference"]),
+    ("cli", &["files", "frames", "orbit", "basilisk", "globe", "imagery", "pack", "fetch", "scene", "gpu", "play", "reference", "measure"]),
 ];
 
 /// A crate of the product.
@@ -71,6 +73,7 @@ const CRATES: &[Crate] = &[
     Crate { name: "terrella_pack", folder: "crates/terrella-pack/src/", first: Some("pack"), modules: &["fetch"] },
     Crate { name: "terrella_sensor", folder: "crates/terrella-sensor/src/", first: Some("sensor"), modules: &[] },
     Crate { name: "terrella_play", folder: "crates/terrella-play/src/", first: Some("play"), modules: &["scene"] },
+    Crate { name: "terrella_reference", folder: "crates/terrella-reference/src/", first: Some("reference"), modules: &[] },
     Crate { name: "terrella_measure", folder: "crates/terrella-measure/src/", first: Some("measure"), modules: &[] },
     Crate { name: "terrella_cli", folder: "crates/terrella-cli/src/", first: Some("cli"), modules: &[] },
 ];

@@ -6,7 +6,6 @@
 //! | `frame_timer` | frames and their floor, timed interleaved |
 //! | `floor` | the cost of a frame's texture samples alone |
 //! | [`mod@bench`] | the frame-rate harness |
-//! | [`mod@reference`] | the true image: ray casting in f64 on the CPU |
 //! | [`numeric`] | formulas compared with arbitrary precision, methods compared by error and cost |
 //! | [`extreme`] | extreme views, and their expected results |
 //! | [`clear_air`] | the air's light, compared with tables of a radiative-transfer program |
@@ -14,6 +13,7 @@
 //! | [`mod@report`] | error against run time over a scene's settings: tables, charts, a page |
 //! | [`quality`] | saving and error of each quality reduction, and the resulting ladder |
 //! | [`surfaces`] | terrain surfaces: error against run time, holes, popping |
+//! | `still` | one image by the reference renderer, `terrella_reference`, into a file |
 //! | [`terrain`] | terrain trees alone: savings, build times, storage |
 //! | [`orbits`] | propagators: error against run time |
 //! | `machine` | machine, source and time of a measurement |
@@ -41,9 +41,9 @@ pub mod orbits;
 mod output;
 mod pareto;
 pub mod quality;
-pub mod reference;
 pub mod report;
 mod statistics;
+mod still;
 pub mod surfaces;
 pub mod terrain;
 mod viewpoints;
@@ -55,4 +55,5 @@ pub use histogram::LogHistogram;
 pub use html::PageError;
 pub use pareto::pareto_front;
 pub use statistics::{Quantiles, Quartiles, SortedSample, jank, median};
+pub use still::{ReferenceRequest, ReferenceStats, StillError, write_reference_still};
 pub use viewpoints::{EYE_HEIGHTS, EyeHeight, GroundPath};

@@ -37,11 +37,11 @@ pub use standalone::StandaloneStudy;
 use crate::ChartError;
 use crate::html::PageError;
 use crate::output::OutputFolder;
-use crate::reference::ReferenceError;
 use std::path::{Path, PathBuf};
 use terrella::Subdivision;
 use terrella_imagery::tile::TileError;
 use terrella_play::{Flight, OutputError, PlayError, Progress};
+use terrella_reference::ReferenceError;
 
 /// How a report is wanted.
 #[derive(Clone, Debug)]

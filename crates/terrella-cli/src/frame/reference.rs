@@ -4,8 +4,9 @@ use super::{Common, FrameArgs};
 use crate::progress::Bars;
 use clap::{Args, ValueEnum};
 use terrella::ContextError;
-use terrella_measure::reference::{ReferenceRequest, SAMPLES, write_reference_still};
+use terrella_measure::{ReferenceRequest, write_reference_still};
 use terrella_play::{Flight, PlayError};
+use terrella_reference::SAMPLES;
 
 /// Default number of rays along each side of a pixel.
 const DEFAULT_SAMPLES: u32 = 4;

@@ -1,8 +1,8 @@
 //! Colours of an image compared with those of the true one.
 
 use crate::SortedSample;
-use crate::reference::ReferencePicture;
 use image::{RgbImage, RgbaImage};
+use terrella_reference::ReferencePicture;
 
 /// How far the colours of two pictures of one size are apart.
 #[derive(Clone, Debug)]

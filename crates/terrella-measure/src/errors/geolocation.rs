@@ -2,7 +2,6 @@
 
 use super::pixel_of;
 use crate::SortedSample;
-use crate::reference::ground_point;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::time::Duration;
@@ -15,6 +14,7 @@ use terrella::{
 };
 use terrella_imagery::{EarthLayers, LayerImage};
 use terrella_play::PlayError;
+use terrella_reference::ground_point;
 
 /// Draws an Earth's geolocation buffer: places instead of colours, on the same mesh.
 pub struct GeolocationRenderer {

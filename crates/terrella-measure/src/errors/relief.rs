@@ -2,13 +2,13 @@
 
 use super::{GeolocationBuffer, pixel_at};
 use crate::SortedSample;
-use crate::reference::{Rays, TrueRelief};
 use glam::{DMat4, DVec3};
 use rayon::prelude::*;
 use terrella::EyeView;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::earth::PixelLattice;
 use terrella_ground::elevation::{Bounds, Elevation};
+use terrella_reference::{Rays, TrueRelief};
 
 /// A drawn picture of ground: what each pixel shows, and how wrong it is there.
 #[derive(Clone, Debug)]

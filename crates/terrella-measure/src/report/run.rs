@@ -8,13 +8,13 @@ use super::truth::{TruePictures, TruthKey};
 use super::{ReportError, ReportRequest, Study, write_tables};
 use crate::errors::Difference;
 use crate::output::OutputFolder;
-use crate::reference::ReferencePicture;
 use crate::{FrameTimer, FrameTimes, GroundPath, Quartiles};
 use image::RgbaImage;
 use std::time::Instant;
 use terrella::frames::Ellipsoid;
 use terrella::{EarthOptions, Exposure, EyeView, GpuContext, Sky};
 use terrella_play::{Flight, PlayError, Progress};
+use terrella_reference::ReferencePicture;
 
 /// Heights that can be looked from, kilometres.
 const HEIGHTS_KM: std::ops::RangeInclusive<f64> = 1.0..=1e6;

@@ -2,11 +2,11 @@
 
 use super::ReportError;
 use super::change::SettingChange;
-use crate::reference::{FullMaps, Reference, ReferenceOptions, ReferencePicture, whole_maps};
 use std::sync::Arc;
 use terrella::{Atmosphere, EarthOptions, EyeView, Shading, Sky};
 use terrella_imagery::tile::TileError;
 use terrella_play::Progress;
+use terrella_reference::{FullMaps, Reference, ReferenceOptions, ReferencePicture, whole_maps};
 
 /// Most bytes of maps put together of a pack's tiles, for each of at most three reference renderers.
 const MAX_MAP_BYTES: u64 = 256 << 20;

@@ -5,12 +5,12 @@ use super::run::FlightMeter;
 use super::{Candidate, SurfacePath, SurfacesError, TestGround};
 use crate::errors::{GeolocationRenderer, GroundPicture};
 use crate::frame_timer::milliseconds;
-use crate::reference::TrueRelief;
 use crate::{LogHistogram, SortedSample};
 use cpu_time::ThreadTime;
 use std::time::Duration;
 use terrella::EyeView;
 use terrella::internals::earth::PixelLattice;
+use terrella_reference::TrueRelief;
 
 /// Frames a second of simulated time.
 pub(super) const FRAMES_PER_S: f64 = 60.0;

@@ -10,8 +10,8 @@
 //! - **Light** by wavelength, in 16 bands, converted to linear sRGB with the Sun as white. A map's colour is a factor on each channel of the light
 //!   of white ground.
 //! - **Air** by quadrature along each ray, in scaled space like that of the drawables ([`terrella_ground::air`]): molecules, ozone and aerosol from
-//!   this renderer's own sources, all orders of scattering, ground with the local albedo of the maps. It is compared with tables of another program
-//!   ([`super::clear_air`]).
+//!   this renderer's own sources, all orders of scattering, ground with the local albedo of the maps. `terrella-measure` compares it with tables of
+//!   another program.
 //!
 //! | file | content |
 //! |---|---|
@@ -28,7 +28,8 @@
 //! | `render`, `picture` | rays to pixels |
 //! | `relief` | intersection of rays with terrain |
 //! | `pack` | whole maps of a pack's finest levels |
-//! | `still` | one image of a scene into a file |
+
+#![allow(missing_docs, reason = "names of options and errors say what they are")]
 
 mod air;
 #[cfg(test)]
@@ -52,18 +53,14 @@ mod render;
 mod shading;
 mod shading_point;
 mod spectrum;
-mod still;
 mod surroundings;
 
-pub(super) use geometry::Rays;
-pub use geometry::{ground_point, limb_angle_rad};
+pub use geometry::{Rays, ground_point, limb_angle_rad};
 pub use maps::{FullMap, FullMaps};
-pub use pack::MAX_MAP_BYTES;
-pub(super) use pack::whole_maps;
+pub use pack::{MAX_MAP_BYTES, PackMaps, whole_maps};
 pub use picture::ReferencePicture;
 pub use relief::{TrueRelief, relief_distance_m};
 pub use render::MAX_TAPS;
-pub use still::{ReferenceRequest, ReferenceStats, StillError, write_reference_still};
 
 use glam::DVec3;
 use rayon::prelude::*;

@@ -173,7 +173,7 @@ fn light_of_the_ground_is_seen_through_the_air() {
 }
 
 /// Light of a grey Lambertian layer at 6 km from an independent program: its file describes the computation.
-const LAYER: &str = include_str!("../../../../tests/data/air/lambert_layer_6_km.csv");
+const LAYER: &str = include_str!("../../../tests/data/air/lambert_layer_6_km.csv");
 
 #[test]
 fn clouds_are_seen_through_the_air_above_them() {

@@ -12,7 +12,7 @@ use terrella_imagery::tile::{
 pub const MAX_MAP_BYTES: u64 = 1 << 30;
 
 /// Maps of a pack, and where they are coarser than the pack is.
-pub(crate) struct PackMaps {
+pub struct PackMaps {
     pub maps: FullMaps,
     /// Names of the layers for which a finer level did not fit, and the width used, texels.
     pub coarser: Vec<(&'static str, u32)>,
@@ -23,7 +23,7 @@ pub(crate) struct PackMaps {
 ///
 /// # Errors
 /// A tile that cannot be read: a true image has no stand-ins. [`TileError::Cancelled`] after `cancelled`.
-pub(crate) fn whole_maps(
+pub fn whole_maps(
     source: &dyn TileSource,
     limit: u64,
     cancelled: &(dyn Fn() -> bool + Sync),

@@ -1,6 +1,6 @@
 //! Light by wavelength, and its colour.
 //!
-//! The inputs are this renderer's own: neither the drawn air nor the tables that both are compared with ([`crate::clear_air`]) use them.
+//! The inputs are this renderer's own: neither the drawn air nor the tables that both are compared with (`terrella_measure::clear_air`) use them.
 
 use glam::DVec3;
 

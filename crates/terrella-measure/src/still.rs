@@ -1,8 +1,5 @@
-//! One true picture of a scene, and its numbers.
+//! One image of a scene by the reference renderer, into a file, and its numbers.
 
-use super::maps::FullMaps;
-use super::pack::{MAX_MAP_BYTES, whole_maps};
-use super::{Reference, ReferenceError, ReferenceOptions};
 use glam::DVec3;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -14,6 +11,9 @@ use terrella_imagery::tile::{MapLayer, TileError};
 use terrella_play::{
     EyePosition, Flight, Moment, OutputError, PendingFile, PlayError, Progress, SubsolarPoint,
     written_picture,
+};
+use terrella_reference::{
+    FullMaps, MAX_MAP_BYTES, Reference, ReferenceError, ReferenceOptions, whole_maps,
 };
 
 /// Most memory that the picture itself may take, MiB.

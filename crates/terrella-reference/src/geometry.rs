@@ -55,7 +55,7 @@ pub fn limb_angle_rad(figure: Ellipsoid, eye_m: DVec3, axis: DVec3, across: DVec
 
 /// The rays of a picture: direction = corner + x·right + y·down, ITRF axes, of any length.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Rays {
+pub struct Rays {
     /// The eye, ITRF metres.
     pub eye_m: DVec3,
     corner: DVec3,
