@@ -134,7 +134,7 @@ fn what_is_left_out_is_named() {
     let place = Place::new();
     place.scene(
         "chase.toml",
-        "[camera]\nmode = \"chase\"\n[orbit]\n[tracks]\nmarker = true\n[earth]\nclouds = false\nnormals = false\nnight_lights = false\n[output]\nsize = [16, 9]\n",
+        "[camera]\nmode = \"chase\"\n[orbit]\n[tracks]\nmarker = true\n[earth]\natmosphere = \"none\"\nclouds = false\nnormals = false\nnight_lights = false\n[output]\nsize = [16, 9]\n",
     );
     let output = place.succeed(&arguments("chase.toml", &["--stats", "a.json"]));
     assert!(
@@ -160,7 +160,7 @@ fn what_is_left_out_is_named() {
         let at = format!("{date}T18:17:20Z");
         place.scene(
             "plain.toml",
-            "[camera]\nmode = \"geodetic\"\n[earth]\nclouds = false\nnormals = false\nnight_lights = false\n[output]\nsize = [16, 9]\n",
+            "[camera]\nmode = \"geodetic\"\n[earth]\natmosphere = \"none\"\nclouds = false\nnormals = false\nnight_lights = false\n[output]\nsize = [16, 9]\n",
         );
         let more = ["--stats", "b.json", "--at", at.as_str()];
         let output = place.succeed(&arguments("plain.toml", &more));
@@ -175,7 +175,7 @@ fn ground_with_relief_is_drawn() {
     let scene = |earth: &str| {
         format!(
             "[time]\nstart = \"2018-07-15T15:00:00Z\"\n[camera]\nlat_deg = -33\nlon_deg = -72\nheight_km = 5\nheading_deg = 90\n\
-             pitch_deg = -3\nfov_deg = 40\n[earth]\nclouds = false\n{earth}[output]\nsize = [32, 18]\n"
+             pitch_deg = -3\nfov_deg = 40\n[earth]\natmosphere = \"none\"\nclouds = false\n{earth}[output]\nsize = [32, 18]\n"
         )
     };
     let elevation = format!(
