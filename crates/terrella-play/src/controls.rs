@@ -257,7 +257,7 @@ impl Controls {
             Action::Tone(tone) => self.switches.tone = Some(tone),
             Action::NextTone => self.switches.next_tone(),
             Action::SceneLook => {
-                self.switches = self.scene_switches.at(self.switches.site);
+                self.switches = self.scene_switches.at(self.switches.site());
             }
             Action::Help => self.help = !self.help,
             Action::Panel => self.panel = !self.panel,
@@ -315,10 +315,10 @@ impl Controls {
     /// Draws the place of passes as a station.
     fn show_site(&mut self) {
         let min_elevation_deg = self.line.min_elevation_deg;
-        self.switches.site = self.line.place.map(|place| Site {
+        self.switches.set_site(self.line.place.map(|place| Site {
             place,
             min_elevation_deg,
-        });
+        }));
     }
 
     fn next_camera(&mut self) {

@@ -116,7 +116,9 @@ impl FilmPlan {
             };
             settings.push(Setting::new("caption", "text", text(caption)));
         }
-        if let Some(site) = shown.switches.site.filter(|_| !source.has_stations) {
+        let shows_stations = shown.switches.is_on(Layer::Stations);
+        let site = shown.switches.site();
+        if let Some(site) = site.filter(|_| shows_stations && !source.has_stations) {
             let (lat_rad, lon_rad) = (site.place.lat_rad, site.place.lon_rad);
             settings.extend([
                 Setting::new("station", "name", text(&place_text(lat_rad, lon_rad))),

@@ -79,7 +79,7 @@ pub struct ReadyWhole {
 pub fn shown_tracks(switches: &Switches) -> ShownTracks {
     ShownTracks {
         satellites: switches.is_on(Layer::Tracks),
-        stations: switches.is_on(Layer::Stations) || switches.site.is_some(),
+        stations: switches.is_on(Layer::Stations),
     }
 }
 

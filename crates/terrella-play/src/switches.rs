@@ -118,12 +118,13 @@ impl Layer {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Switches {
     is_on: [bool; Layer::ALL.len()],
+    /// Whether the scene has any of the layer.
     is_offered: [bool; Layer::ALL.len()],
     /// `None` is the scene's.
     pub exposure: Option<Exposure>,
     pub tone: Option<Tone>,
     /// Drawn besides the scene's stations.
-    pub site: Option<Site>,
+    site: Option<Site>,
 }
 
 impl Switches {
@@ -170,8 +171,26 @@ impl Switches {
     }
 
     /// The same with this place of passes.
-    pub fn at(self, site: Option<Site>) -> Self {
-        Self { site, ..self }
+    pub fn at(mut self, site: Option<Site>) -> Self {
+        self.set_site(site);
+        self
+    }
+
+    /// The place that passes are over.
+    pub fn site(&self) -> Option<Site> {
+        self.site
+    }
+
+    /// Sets the place of passes. A new place switches stations on.
+    pub fn set_site(&mut self, site: Option<Site>) {
+        let place = |site: Option<Site>| site.map(|site| site.place);
+        let is_on = &mut self.is_on[Layer::Stations as usize];
+        match site {
+            Some(_) if place(site) != place(self.site) => *is_on = true,
+            Some(_) => {}
+            None => *is_on &= self.is_offered[Layer::Stations as usize],
+        }
+        self.site = site;
     }
 
     /// The same with this exposure.
@@ -183,9 +202,9 @@ impl Switches {
         self.is_on[layer as usize]
     }
 
-    /// Whether the scene has any of this layer.
+    /// Whether there is any of this layer.
     pub fn is_offered(&self, layer: Layer) -> bool {
-        self.is_offered[layer as usize]
+        self.is_offered[layer as usize] || layer == Layer::Stations && self.site.is_some()
     }
 
     /// Switches a layer that is offered.
@@ -394,16 +413,42 @@ mod tests {
             place,
             min_elevation_deg: 12.5,
         };
-        switches.site = Some(site(Geodetic::from_degrees(48.2, 16.4, 0.0)));
+        switches.set_site(Some(site(Geodetic::from_degrees(48.2, 16.4, 0.0))));
         let stations = switches.scene(&base).expect("no files").stations;
         assert_eq!(stations.len(), 2);
         assert_eq!(stations[1].name, "48.200° N, 16.400° E");
         assert_eq!(stations[1].min_elevation_deg, 12.5);
-        switches.site = Some(site(base.stations[0].place));
+        switches.set_site(Some(site(base.stations[0].place)));
         assert_eq!(
             switches.scene(&base).expect("no files").stations,
             base.stations
         );
+    }
+
+    #[test]
+    fn the_place_of_passes_is_switched_with_the_stations() {
+        let vienna = Site {
+            place: Geodetic::from_degrees(48.2, 16.4, 0.0),
+            min_elevation_deg: 10.0,
+        };
+        for own in ["", "[[station]]\nname = \"A\"\nlat_deg = 1\nlon_deg = 2\n"] {
+            let mut switches = Switches::of(&scene(own));
+            switches.set_site(Some(vienna));
+            assert!(switches.is_offered(Layer::Stations) && switches.is_on(Layer::Stations));
+            switches.toggle(Layer::Stations);
+            // Another elevation at the same place leaves them off, another place does not.
+            switches.set_site(Some(Site {
+                min_elevation_deg: 5.0,
+                ..vienna
+            }));
+            assert!(!switches.is_on(Layer::Stations), "{own}");
+            switches.set_site(Some(Site {
+                place: Geodetic::from_degrees(48.3, 16.4, 0.0),
+                ..vienna
+            }));
+            assert!(switches.is_on(Layer::Stations), "{own}");
+            assert_eq!(switches.at(None), Switches::of(&scene(own)), "{own}");
+        }
     }
 
     #[test]
