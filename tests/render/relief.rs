@@ -135,7 +135,8 @@ fn hit(eye: DVec3, direction: DVec3, height_m: f64) -> Option<Geodetic> {
         return None;
     }
     let (mut near, mut far) = (0.0, lowest);
-    for _ in 0..80 {
+    // To 30 nm from as far as a whole disc is seen.
+    for _ in 0..50 {
         let middle = 0.5 * (near + far);
         if height(middle) > 0.0 {
             near = middle;

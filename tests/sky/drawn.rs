@@ -34,9 +34,23 @@ pub fn drawn(
     epoch: Epoch,
     size: (u32, u32),
 ) -> Vec<[f32; 4]> {
+    let mut celestial = celestial(rig, options);
+    drawn_with(rig, &mut celestial, view, epoch, size)
+}
+
+pub fn celestial(rig: &Rig, options: &CelestialOptions) -> Celestial {
     let gpu = gpu();
-    let mut celestial =
-        Celestial::new(&gpu.device, &gpu.queue, &rig.earth, options).expect("sound options");
+    Celestial::new(&gpu.device, &gpu.queue, &rig.earth, options).expect("sound options")
+}
+
+/// With a sky that is made already.
+pub fn drawn_with(
+    rig: &mut Rig,
+    celestial: &mut Celestial,
+    view: &EyeView,
+    epoch: Epoch,
+    size: (u32, u32),
+) -> Vec<[f32; 4]> {
     let moment = CelestialMoment {
         epoch,
         orientation: Orientation::default(),
@@ -44,7 +58,7 @@ pub fn drawn(
         target: size.into(),
         velocity_m_s: None,
     };
-    rig.draw_light_with(&mut celestial, &moment)
+    rig.draw_light_with(celestial, &moment)
 }
 
 pub fn above(lat: f64, lon: f64, height_m: f64) -> DVec3 {

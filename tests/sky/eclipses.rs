@@ -4,6 +4,7 @@ use crate::common::{Rig, gpu, plain};
 use crate::drawn::above;
 use crate::utc;
 use glam::DVec3;
+use std::sync::LazyLock;
 use terrella::frames::{Duration, Ellipsoid, Epoch, Geodetic, MoonShadow};
 use terrella::{Atmosphere, EarthOptions, Exposure, EyeView, FrameRequest, Sky, SurfaceLight};
 
@@ -210,23 +211,24 @@ fn white_earth() -> EarthOptions {
 
 /// Light of a disc with the limb law of the Sun in green (Cox 2000 at 550 nm) that a Moon leaves, by counting points of the disc.
 fn light_left(moon_radius: f64, apart: f64) -> f64 {
+    static DISC: LazyLock<Vec<(f64, f64, f64)>> = LazyLock::new(|| points_of_the_sun().collect());
+    let light = |(_, _, light): &(f64, f64, f64)| *light;
+    let is_left = |(x, y, _): &&(f64, f64, f64)| {
+        (x - apart) * (x - apart) + y * y > moon_radius * moon_radius
+    };
+    let left: f64 = DISC.iter().filter(is_left).map(light).sum();
+    left / DISC.iter().map(light).sum::<f64>()
+}
+
+/// Each with its light.
+fn points_of_the_sun() -> impl Iterator<Item = (f64, f64, f64)> {
     const POINTS: i32 = 120;
-    let (mut left, mut all) = (0.0, 0.0);
-    for n in 0..POINTS * POINTS {
-        let at = |k: i32| (f64::from(k) + 0.5) / f64::from(POINTS) * 2.0 - 1.0;
-        let (x, y) = (at(n % POINTS), at(n / POINTS));
-        let off = x.hypot(y);
-        if off >= 1.0 {
-            continue;
-        }
-        let mu = (1.0 - off * off).sqrt();
-        let light = 1.0 - 0.93 * (1.0 - mu) + 0.23 * (1.0 - mu * mu);
-        all += light;
-        if (x - apart).hypot(y) > moon_radius {
-            left += light;
-        }
-    }
-    left / all
+    let at = |k: i32| (f64::from(k) + 0.5) / f64::from(POINTS) * 2.0 - 1.0;
+    let all = (0..POINTS * POINTS).map(move |n| (at(n % POINTS), at(n / POINTS)));
+    all.filter(|(x, y)| x * x + y * y < 1.0).map(|(x, y)| {
+        let mu = (1.0 - x * x - y * y).sqrt();
+        (x, y, 1.0 - 0.93 * (1.0 - mu) + 0.23 * (1.0 - mu * mu))
+    })
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Eyes and dates at the limits: every pixel is finite.
 
-use crate::drawn::{above, bare_earth, drawn, grey_moon};
+use crate::drawn::{above, bare_earth, celestial, drawn, drawn_with, grey_moon};
 use crate::{common::Rig, stars, utc};
 use glam::DVec3;
 use terrella::celestial::CelestialOptions;
@@ -44,6 +44,7 @@ fn every_pixel_is_a_number() {
             ..bare_earth()
         };
         let mut rig = Rig::of_light(&options, SIZE);
+        let mut celestial = celestial(&rig, &all());
         for epoch in &dates {
             let at_earth = Observer::at_rest(*epoch, &Orientation::default(), DVec3::X * 7e6);
             let moon = at_earth.moon_m() + DVec3::X * 7e6;
@@ -73,7 +74,7 @@ fn every_pixel_is_a_number() {
                     let fov = f64::to_radians(fov_deg);
                     let view = EyeView::itrf(eye, look, DVec3::Z, fov, 1.5);
                     // The sky over a night, and the Earth by the date's own Sun and Moon.
-                    let sky = drawn(&mut rig, &all(), &view, *epoch, SIZE);
+                    let sky = drawn_with(&mut rig, &mut celestial, &view, *epoch, SIZE);
                     let earth = rig.draw_light_of(&view, &Sky::at(*epoch));
                     let bad = sky
                         .iter()

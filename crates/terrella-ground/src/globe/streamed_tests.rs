@@ -7,7 +7,7 @@ use crate::elevation::{
     Elevation, Ground, HeightEye, HeightStreamOptions, StreamedGround, TestTiles,
 };
 use glam::{DVec3, dcamera};
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use terrella_frames::{Ellipsoid, Geodetic};
@@ -43,8 +43,9 @@ fn corners(patch: &Patch) -> Vec<Corner> {
     patch.vertices.iter().map(corner).collect()
 }
 
-fn triangles(surface: &dyn Surface) -> BTreeSet<[Corner; 3]> {
-    let mut all = BTreeSet::new();
+/// Each once, in order.
+fn triangles(surface: &dyn Surface) -> Vec<[Corner; 3]> {
+    let mut all = Vec::new();
     surface.for_each_patch(&mut |patch| {
         let corners = corners(patch);
         for [a, b, c] in patch.indices.triangles.as_chunks::<3>().0 {
@@ -52,27 +53,28 @@ fn triangles(surface: &dyn Surface) -> BTreeSet<[Corner; 3]> {
             // Start at the smallest corner.
             let least = (0..3).min_by_key(|k| of[*k]).unwrap_or(0);
             of.rotate_left(least);
-            all.insert(of);
+            all.push(of);
         }
     });
+    all.sort_unstable();
+    all.dedup();
     all
 }
 
 /// Edges with one side must not be next to each other: a single one is the end of the drawn surface, two are a crack.
 fn assert_closed(surface: &dyn Surface, when: &str) {
-    let mut edges: HashMap<[[u64; 3]; 2], i32> = HashMap::new();
+    let mut edges = Vec::new();
     for triangle in triangles(surface) {
         for k in 0..3 {
             let (a, b) = (triangle[k].0, triangle[(k + 1) % 3].0);
             if a != b {
-                *edges
-                    .entry(if a < b { [a, b] } else { [b, a] })
-                    .or_default() += 1;
+                edges.push(if a < b { [a, b] } else { [b, a] });
             }
         }
     }
-    let ends = edges.iter().filter(|(_, count)| **count == 1);
-    let ends: BTreeSet<[u64; 3]> = ends.flat_map(|(edge, _)| *edge).collect();
+    edges.sort_unstable();
+    let single = edges.chunk_by(|a, b| a == b).filter(|one| one.len() == 1);
+    let ends: BTreeSet<[u64; 3]> = single.flatten().flatten().copied().collect();
     let mut by_direction: BTreeMap<[i64; 3], [u64; 3]> = BTreeMap::new();
     for end in ends {
         let at = DVec3::from_array(end.map(f64::from_bits));
@@ -266,7 +268,8 @@ fn fly(settings: SurfaceSettings, view: &GroundView) {
         }
         _ => {
             let (own, others) = (triangles(surface.as_ref()), triangles(fresh.as_ref()));
-            let lost = others.difference(&own).count();
+            let lost = others.iter().filter(|one| own.binary_search(one).is_err());
+            let lost = lost.count();
             assert!(
                 own == others,
                 "{}: {lost} of {} differ",

@@ -7,7 +7,8 @@ mod surface;
 use super::*;
 use crate::elevation::{Bounds, HeightRange};
 use glam::{DMat4, DVec3};
-use std::collections::{HashMap, HashSet};
+use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
+use std::sync::Arc;
 use terrella_frames::Geodetic;
 
 /// Ground given by a function.
@@ -144,32 +145,33 @@ pub fn triangles(map: &Clipmap) -> Vec<[Point; 3]> {
 /// Each edge has two triangles, one in each direction. The surface is closed, topologically a sphere, and faces outwards.
 pub fn assert_closed(map: &Clipmap, what: &str) {
     let all = triangles(map);
-    let mut edges = HashSet::with_capacity(all.len() * 3);
-    let mut points = HashSet::with_capacity(all.len());
+    let mut points = all.concat();
+    points.sort_unstable();
+    points.dedup();
+    let mut number = HashMap::with_capacity_and_hasher(points.len(), Default::default());
+    number.extend(points.iter().copied().zip(0_u32..));
+    let at = |number: u32| place(points[number as usize]);
+    let mut edges = Vec::with_capacity(all.len() * 3);
     let mut volume = 0.0;
-    for [a, b, c] in &all {
+    for triangle in &all {
+        let [a, b, c] = triangle.map(|point| number[&point]);
         for (from, to) in [(a, b), (b, c), (c, a)] {
-            assert_ne!(
-                from,
-                to,
-                "{what}: a triangle without area at {:?}",
-                place(*from)
-            );
-            assert!(
-                edges.insert((*from, *to)),
-                "{what}: an edge twice at {:?}",
-                place(*from)
-            );
-            points.insert(*from);
+            let at = at(from);
+            assert_ne!(from, to, "{what}: a triangle without area at {at:?}");
+            edges.push((from, to));
         }
-        volume += place(*a).dot(place(*b).cross(place(*c))) / 6.0;
+        volume += at(a).dot(at(b).cross(at(c))) / 6.0;
     }
-    for (from, to) in &edges {
-        assert!(
-            edges.contains(&(*to, *from)),
-            "{what}: a crack at {:?}",
-            place(*from)
-        );
+    edges.sort_unstable();
+    let twice = edges.windows(2).find(|pair| pair[0] == pair[1]);
+    if let Some([(from, _), _]) = twice {
+        panic!("{what}: an edge twice at {:?}", at(*from));
+    }
+    let mut back: Vec<_> = edges.iter().map(|(from, to)| (*to, *from)).collect();
+    back.sort_unstable();
+    let crack = edges.iter().zip(&back).find(|(edge, back)| edge != back);
+    if let Some(((from, _), _)) = crack {
+        panic!("{what}: a crack at {:?}", at(*from));
     }
     let euler = points.len() as i64 - edges.len() as i64 / 2 + all.len() as i64;
     assert_eq!(euler, 2, "{what}: not one sphere");
@@ -177,6 +179,32 @@ pub fn assert_closed(map: &Clipmap, what: &str) {
         (1.05e21..1.11e21).contains(&volume),
         "{what}: volume {volume}"
     );
+}
+
+#[test]
+#[should_panic(expected = "a crack at")]
+fn a_missing_triangle_is_a_crack() {
+    let mut map = clipmap(at_once(5, Trim::Diamond));
+    map.prepare(&over(47.0, 11.0, 3000.0), &HILLS);
+    let buffer = &mut map.levels[3].buffers[0];
+    let kept = buffer.patch.indices.triangles.len() - 3;
+    Arc::make_mut(&mut buffer.patch.indices)
+        .triangles
+        .truncate(kept);
+    assert_closed(&map, "less one");
+}
+
+#[test]
+#[should_panic(expected = "an edge twice at")]
+fn a_triangle_drawn_twice_is_no_surface() {
+    let mut map = clipmap(at_once(5, Trim::Diamond));
+    map.prepare(&over(47.0, 11.0, 3000.0), &HILLS);
+    let buffer = &mut map.levels[3].buffers[0];
+    let again = buffer.patch.indices.triangles[..3].to_vec();
+    Arc::make_mut(&mut buffer.patch.indices)
+        .triangles
+        .extend(again);
+    assert_closed(&map, "one more");
 }
 
 /// The twelve corners of the icosahedron and places between them, degrees.

@@ -19,7 +19,7 @@ impl Globe {
         let mut globe = Self {
             n,
             icosahedron: Icosahedron::default(),
-            number: HashMap::new(),
+            number: HashMap::default(),
             directions: Vec::new(),
             edges: Vec::new(),
             cells: Vec::new(),
@@ -54,8 +54,8 @@ impl Globe {
         let number = *self.number.entry(bits(direction)).or_insert(next);
         if number == next {
             self.directions.push(direction);
-            self.edges.push(HashSet::new());
-            self.cells.push(HashSet::new());
+            self.edges.push(HashSet::default());
+            self.cells.push(HashSet::default());
         }
         number
     }
@@ -212,7 +212,7 @@ fn the_virtual_diamond_holds_the_true_surroundings_of_all_homes() {
             (2, 2, index(n, n)),
         ] {
             // The diamonds at the corner are the home, the two across its edges, and those of the place.
-            let mut said: HashSet<u8> = [home, across(row, 1), across(1, column)].into();
+            let mut said = HashSet::from_iter([home, across(row, 1), across(1, column)]);
             match cells[row][column] {
                 DiamondPlace::Closed => {}
                 DiamondPlace::Two(a, b) => {
@@ -262,7 +262,7 @@ fn distances_are_those_of_a_walk_over_the_globe() {
             for (middle, number) in &all {
                 let steps = globe.steps(*number, links);
                 let extent = LevelExtent::new(*middle, n, n / 2, trim);
-                let mut within = HashSet::new();
+                let mut within = HashSet::default();
                 for (index, there) in &all {
                     let counted = extent.distance(*index).unwrap_or(i64::MAX);
                     if counted <= n / 2 {
@@ -305,7 +305,7 @@ fn a_point_reaches_the_same_triangles_from_each_of_its_homes() {
     let n = 12;
     let globe = Globe::new(n);
     for trim in [Trim::Diamond, Trim::Hexagon] {
-        let mut held: HashMap<usize, HashSet<Triangle>> = HashMap::new();
+        let mut held: HashMap<usize, HashSet<Triangle>> = HashMap::default();
         let mut again = 0;
         for middle in points(n) {
             let extent = LevelExtent::new(middle, n, n / 2, trim);

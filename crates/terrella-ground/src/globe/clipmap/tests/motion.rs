@@ -90,7 +90,7 @@ fn drawn_at(all: &Drawn, (level, index): (u32, LatticeIndex)) -> Option<DVec3> {
 
 /// All drawn vertices, by level and point.
 fn drawn(map: &Clipmap) -> Drawn {
-    let mut all = HashMap::new();
+    let mut all = Drawn::default();
     for level in &map.levels[..=map.counts.finest as usize] {
         let whole = level.n;
         for buffer in &level.buffers {
@@ -190,7 +190,7 @@ fn who_takes_only_what_changed_has_all_of_it() {
         fade_prepares: 3,
         ..at_once(6, Trim::Diamond)
     });
-    let mut copies: HashMap<u64, (u64, Vec<GroundVertex>)> = HashMap::new();
+    let mut copies: HashMap<u64, (u64, Vec<GroundVertex>)> = HashMap::default();
     let (mut all, mut sent) = (0, 0);
     for k in 0..400 {
         // Over the pole and through a corner of the icosahedron, with two jumps.
@@ -316,7 +316,7 @@ fn nothing_jumps_on_the_way() {
         settle(&mut map, &views[0], &HILLS);
         let mut before = drawn(&map);
         let mut worst_px = 0.0_f64;
-        let mut levels = HashSet::new();
+        let mut levels = HashSet::default();
         for view in views {
             map.prepare(view, &HILLS);
             let after = drawn(&map);

@@ -324,7 +324,7 @@ fn the_far_side_of_the_globe_is_not_handed_over() {
         },
         &HILLS,
     );
-    let mut handed = HashSet::new();
+    let mut handed = HashSet::default();
     map.for_each_patch(&mut |patch| {
         handed.insert(patch.key);
     });
@@ -348,7 +348,7 @@ fn patches_meet_in_single_precision_too() {
             // Moves by half a cell of the finest level and more, so that origins lag.
             let view = over(lat_deg + 0.004 * f64::from(k), lon_deg, 2000.0);
             map.prepare(&view, &HILLS);
-            let mut seen: HashMap<Point, DVec3> = HashMap::new();
+            let mut seen: HashMap<Point, DVec3> = HashMap::default();
             for level in &map.levels[8..] {
                 for buffer in &level.buffers {
                     let patch = &buffer.patch;
