@@ -35,16 +35,20 @@ struct Varying {
     @location(6) @interpolate(flat) seed: u32,
     // Cut-off radius, standard deviations.
     @location(7) @interpolate(flat) reach: f32,
+    // Standard deviation on the ground, metres, and the fraction of its light that fades outwards like a district's.
+    @location(8) @interpolate(flat) radius_m: f32,
+    @location(9) @interpolate(flat) as_district: f32,
 }
 
 // Variance of the pixel blur, square pixels. The sum over all pixels is then uniform to 1 %.
 const BLUR: f32 = 0.3;
-// Cut-off radius of the distribution, standard deviations, and the fraction inside; a margin for all samples of the outermost pixels.
-const REACH: f32 = 3.0;
-const WITHIN: f32 = 0.9889;
+// Largest cut-off radius of the distribution, standard deviations: 4e-5 of the light is outside. A margin for all samples of the outermost pixels.
+const REACH: f32 = 4.5;
 const SAMPLE_REACH_PX: f32 = 0.5;
 // Upper limit of a standard deviation, pixels: near the ground lamps are drawn less spread than they are.
 const WIDEST_PX: f32 = 40.0;
+// Factor of the cut-off radius for wide districts, which fade outwards more slowly.
+const WIDER_REACH: f32 = 1.5;
 // Points are drawn at a fraction of the ground's distance so that the ground does not hide them: the mesh deviates from the ellipsoid. Points
 // behind the limb are left out here.
 const NEARER: f32 = 0.95;
@@ -88,7 +92,9 @@ fn vertex(@builtin(vertex_index) index: u32, in: CityLight) -> Varying {
     let determinant = max(squares.x * squares.z - squares.y * squares.y, 1e-12);
     let widest_m = WIDEST_PX * sqrt(sqrt(determinant));
     let radius_m = min(in.color.a * CITY_LIGHT_RADIUS_M, widest_m);
-    out.in_grains = smoothstep(0.5, 2.0, radius_m * inverseSqrt(sqrt(determinant)));
+    let radius_px = radius_m * inverseSqrt(sqrt(determinant));
+    out.in_grains = smoothstep(0.5, 2.0, radius_px);
+    out.as_district = smoothstep(0.3, 1.0, radius_px);
     out.seed = bitcast<u32>(in.up.x) ^ bitcast<u32>(in.up.z);
     out.turn = 0.5 * PI * hashed(vec2i(0), out.seed);
     // Covariance of the lamps on the ground, in pixels, plus that of the blur.
@@ -99,9 +105,10 @@ fn vertex(@builtin(vertex_index) index: u32, in: CityLight) -> Varying {
     // Solid angle of a pixel there.
     let pixel = pixel_area * ahead * ahead * ahead;
     let radiance = frame.lamp_light * lamps_on(mu_s) * in.light * facing / (distance * distance * pixel);
-    out.light = radiance / (2.0 * PI * WITHIN * sqrt(area)) * in.color.rgb * left_to_eye(at);
+    out.light = radiance / (2.0 * PI * sqrt(area)) * in.color.rgb * left_to_eye(at);
 
-    out.reach = reach_of(out.light);
+    out.radius_m = radius_m;
+    out.reach = reach_of(out.light) * mix(1.0, WIDER_REACH, out.as_district);
     let corner = vec2f(f32(index & 1u), f32(index >> 1u)) * 2.0 - 1.0;
     let pixel_at = out.center_px + corner * (out.reach * sqrt(spread.xz) + SAMPLE_REACH_PX);
     let place_m = pixel_ray(pixel_at) * (NEARER * distance * ahead * frame.radius_m);
@@ -148,13 +155,29 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     if square > in.reach * in.reach {
         discard;
     }
-    var light = exp(-0.5 * square) * in.light;
-    if in.in_grains > 0.0 {
-        light *= grain(in, off);
+    var part = exp(-0.5 * square);
+    if in.as_district > 0.0 {
+        part = mix(part, district(in, square, off), in.as_district) * grain(in, off);
     }
+    let light = part * in.light;
     let shown = toned(light, frame.exposure);
     @if(encode) return vec4f(encode_srgb(shown), 0.0);
     @else return vec4f(shown, 0.0);
+}
+
+// Wide districts fade outwards exponentially, as the density of cities does (Clark 1951), and have ragged edges: the distance from the middle, in
+// standard deviations, is multiplied by noise from 1/RAGGED to RAGGED, over quarters of QUARTER standard deviations.
+const RAGGED: f32 = 2.2;
+const QUARTER: f32 = 0.8;
+// Mean of the inverse square of that factor.
+const MEAN_AREA: f32 = 1.2492;
+
+// Light at a pixel relative to the central light of a normal distribution.
+fn district(in: Varying, square: f32, off: vec2f) -> f32 {
+    let place_m = off.x * in.ground_m.xy + off.y * in.ground_m.zw;
+    let value = uneven_square(place_m / (QUARTER * in.radius_m) + 100.0, in.seed + 2u);
+    let ragged = pow(RAGGED, in.in_grains * (2.0 * value - 1.0));
+    return 3.0 * exp(-sqrt(3.0 * square) * ragged) / mix(1.0, MEAN_AREA, in.in_grains);
 }
 
 // Sizes of quarters and blocks of a district, metres, and the fraction of its light that is distributed unevenly over them.

@@ -173,11 +173,13 @@ struct Sum {
     cell: u32,
     texel: u32,
     light: f32,
+    /// The largest light of one point.
+    brightest: f32,
     up: Vec3,
     color: Vec3,
 }
 
-/// One point for all that is in the same of so many groups of texels, in the middle of its light and with its first point's cell.
+/// One point for all that is in the same of so many groups of texels, at the brightest of them: their middles would be the lattice of the groups.
 fn summed(fine: &[InTexel], groups: usize, group: impl Fn(u32) -> usize) -> Vec<InTexel> {
     let mut places: Vec<Option<usize>> = vec![None; groups];
     let mut sums: Vec<Sum> = Vec::new();
@@ -187,19 +189,21 @@ fn summed(fine: &[InTexel], groups: usize, group: impl Fn(u32) -> usize) -> Vec<
                 cell: *cell,
                 texel: *texel,
                 light: 0.0,
-                up: Vec3::ZERO,
+                brightest: 0.0,
+                up: Vec3::Z,
                 color: Vec3::ZERO,
             });
             sums.len() - 1
         });
         let sum = &mut sums[place];
         sum.light += point.light;
-        sum.up += point.light * point.up;
+        if point.light > sum.brightest {
+            (sum.brightest, sum.up, sum.cell) = (point.light, point.up, *cell);
+        }
         sum.color += point.light * Vec3::from(point.color.map(f32::from)) / 255.0;
     }
     let point = |sum: Sum| {
-        let up = sum.up.normalize_or(Vec3::Z);
-        let point = CityLight::new(up, sum.light, sum.color / sum.light, 0.0);
+        let point = CityLight::new(sum.up, sum.light, sum.color / sum.light, 0.0);
         (sum.cell, sum.texel, point)
     };
     sums.into_iter().map(point).collect()
