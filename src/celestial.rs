@@ -41,7 +41,7 @@ mod stars;
 
 use crate::earth::{
     Earth, EarthView, EyeView, ItrfView, Pipelines, Viewport, ball_bounds, daylight_in_sight,
-    gain_beside,
+    gain_beside, gain_by_moonlight,
 };
 use crate::gpu::{AirTextures, DepthBuffer, PassFormat, ShaderError};
 use crate::gpu::{
@@ -367,7 +367,7 @@ impl Celestial {
             moon.disc.depth = projection.depth(seen.moon_m);
             moon.disc.covers = 1.0;
         }
-        let gain = self.star_gain(&view, seen.sun_m, &ellipsoid);
+        let gain = self.star_gain(&view, &seen, &ellipsoid);
         if let Some(catalogue) = self.options.stars.as_ref().filter(|_| self.shows_stars) {
             let years = (moment.epoch.to_jde_tt_days() - CATALOGUE_JD) / YEAR_DAYS;
             let shown = (catalogue.as_ref(), years, gain as f32);
@@ -444,14 +444,16 @@ impl Celestial {
     }
 
     /// Gain of the stars in a view.
-    fn star_gain(&self, view: &ItrfView, sun_m: DVec3, ellipsoid: &Ellipsoid) -> f64 {
+    fn star_gain(&self, view: &ItrfView, seen: &Seen, ellipsoid: &Ellipsoid) -> f64 {
         let gain = self.options.star_gain;
         let has_stars = self.options.stars.is_some() || self.options.milky_way.is_some();
         if !self.options.stars_fade_by_day || !has_stars || gain <= 1.0 {
             return gain;
         }
-        let daylight = daylight_in_sight(view, sun_m.normalize_or_zero(), ellipsoid);
-        gain_beside(gain, daylight)
+        let daylight = daylight_in_sight(view, seen.sun_m.normalize_or_zero(), ellipsoid);
+        let moon = (seen.moon_m.normalize_or_zero(), seen.moonlight());
+        let by_night = gain_by_moonlight(gain, view.eye_itrf_m, moon, ellipsoid);
+        gain_beside(by_night, daylight)
     }
 
     /// Draws the sky: after the Earth and all other opaque objects.

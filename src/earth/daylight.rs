@@ -1,5 +1,7 @@
-//! Measures the daylight in an image. Stars and night lights fade by it: a camera that is exposed for sunlit ground shows neither.
+//! Measures the daylight and the moonlight in an image. Stars and night lights fade by them: a camera that is exposed for sunlit ground shows neither,
+//! and one that is exposed for moonlit ground shows no airglow.
 
+use super::moonlight;
 use super::view::ItrfView;
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -16,6 +18,12 @@ const AIR_SCALE_M: f64 = 8e3;
 const ENOUGH_OF_DISC: f64 = 5e-4;
 /// Distances of the eye from the centre, in equatorial radii, between which the Earth becomes such a disc.
 const FAR: [f64; 2] = [3.0, 6.0];
+/// Largest factor of the gains without moonlight: airglow on the limb is then visible.
+const WITHOUT_MOON: f64 = 10.0;
+/// Sines of the Moon's elevation, −12° and 24°, below the eye, between which the ground in sight becomes moonlit.
+const MOONRISE: [f64; 2] = [-0.2, 0.4];
+/// Mean distance of the Moon, metres.
+const MOON_M: f64 = 3.844e8;
 /// Margin for the ellipsoid's flattening, in angles, radians.
 const ROOM_RAD: f64 = 0.02;
 
@@ -24,6 +32,26 @@ const ROOM_RAD: f64 = 0.02;
 pub(crate) fn gain_beside(gain: f64, daylight: f64) -> f64 {
     match gain > 1.0 {
         true => gain.powf(1.0 - daylight),
+        false => gain,
+    }
+}
+
+/// Raises the gain of a night light where the ground in sight has less than a full Moon's light. `moon` is the Moon's direction, unit, and its light as
+/// a fraction of the Sun's. It does not apply to a distant Earth.
+pub(crate) fn gain_by_moonlight(
+    gain: f64,
+    eye_itrf_m: DVec3,
+    moon: (DVec3, f64),
+    ellipsoid: &Ellipsoid,
+) -> f64 {
+    let distance = eye_itrf_m.length() / ellipsoid.equatorial_radius_m;
+    let is_up = smooth_step(MOONRISE, eye_itrf_m.normalize_or_zero().dot(moon.0));
+    let part = (is_up * moon.1 / moonlight(0.0, MOON_M)).min(1.0);
+    let part = part.max(smooth_step(FAR, distance));
+    // Moonlight and the rest of the light of the night together.
+    let rest = (WITHOUT_MOON - 1.0).recip();
+    match gain > 1.0 {
+        true => gain * (1.0 + rest) / (part + rest),
         false => gain,
     }
 }
@@ -192,6 +220,29 @@ mod tests {
         // A gain that darkens on request also does so by day.
         assert_eq!(gain_beside(0.25, 1.0), 0.25);
         assert_eq!(gain_beside(0.0, 1.0), 0.0);
+    }
+
+    #[test]
+    fn gains_rise_as_the_moon_sets_and_wanes() {
+        let eye = DVec3::X * (E.equatorial_radius_m + 4e5);
+        let gain = |sine: f64, phase_rad: f64, eye: DVec3| {
+            let moon = DVec3::new(sine, (1.0 - sine * sine).sqrt(), 0.0);
+            gain_by_moonlight(4e4, eye, (moon, moonlight(phase_rad, MOON_M)), &E)
+        };
+        assert!((gain(0.9, 0.0, eye) - 4e4).abs() < 1.0);
+        assert!((gain(-0.9, 0.0, eye) - 4e5).abs() < 1.0);
+        assert!(gain(0.9, PI, eye) > 3.9e5);
+        // Beside a distant Earth the phase does not matter.
+        assert!((gain(-0.9, 0.0, DVec3::X * 1e8) - 4e4).abs() < 1.0);
+        // A given gain of 1 or less is no exposure.
+        assert_eq!(gain_by_moonlight(1.0, eye, (DVec3::X, 0.0), &E), 1.0);
+        // By a quarter at most from a degree to the next.
+        let mut before = gain(-1.0, 0.0, eye);
+        for step in -90..=90 {
+            let now = gain(f64::from(step).to_radians().sin(), 0.0, eye);
+            assert!((0.75..=1.0 + 1e-9).contains(&(now / before)), "{step}");
+            before = now;
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Exposure of frames: fixed, or metered from the view.
 
-use super::daylight::{daylight_in_sight, gain_beside};
+use super::daylight::{daylight_in_sight, gain_beside, gain_by_moonlight};
 use super::view::ItrfView;
 use super::{Appearance, EarthOptions, EyeView, Sky, SurfaceLight, Viewport};
 use crate::gpu::{LAMPS_FULL_SIN, LAMPS_OUT_SIN};
@@ -214,7 +214,15 @@ fn light_beside(
     let has_lights = has_lamps || light.moonlight || light.glow_gain().is_some();
     if light.night_fades_by_day && has_lights {
         let daylight = daylight_in_sight(view, sky.sun_itrf, ellipsoid);
-        light.night_gain = gain_beside(light.night_gain, daylight);
+        // Aurora lights a night as a Moon does.
+        let by_night = match light.moonlight && light.kp.is_none() {
+            true => {
+                let (eye, moon) = (view.eye_itrf_m, sky.moonlight());
+                gain_by_moonlight(light.night_gain, eye, moon, ellipsoid)
+            }
+            false => light.night_gain,
+        };
+        light.night_gain = gain_beside(by_night, daylight);
     }
     light
 }

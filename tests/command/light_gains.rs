@@ -51,9 +51,9 @@ fn cities_and_airglow_do_not_shine_beside_the_sunlit_earth() {
 }
 
 #[test]
-fn night_has_its_whole_gain() {
+fn a_night_without_moon_has_its_whole_gain() {
     let place = Place::new();
-    for (look, gain) in [("standard", "150000"), ("full", "40000")] {
+    for (look, gain) in [("standard", "150000"), ("full", "400000")] {
         let scene = format!("{NIGHT}[earth]\nlook = \"{look}\"\n");
         let shown = draw(&place, &scene, &[]);
         let asked = draw(&place, &scene, &[&format!("earth.night_gain={gain}")]);

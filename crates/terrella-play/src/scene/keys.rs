@@ -244,8 +244,9 @@ table!(RawEarth = "earth" {
     airglow: bool, for SUNLIT;
     /// Planetary index of geomagnetic activity Kp: where the aurora is at night, and how bright. By default there is no aurora.
     kp: f64, in SurfaceLight::KP, for SUNLIT;
-    /// How many times brighter than in truth the lights of the night are: cities, moonlight, airglow and aurora. By default 150000; 40000
-    /// with moonlight. Without it they fade where sunlit ground or air is in view.
+    /// How many times brighter than in truth the lights of the night are: cities, moonlight, airglow and aurora. By default 150000; with
+    /// moonlight 40000 under a full Moon, and without an aurora up to 400000 where the Moon is new or down. Without the key they fade where sunlit
+    /// ground or air is in view.
     night_gain: f64, in SurfaceLight::NIGHT_GAIN, for SUNLIT;
     /// Folder of the maps. By default the starter pack.
     textures: RawPath, of "a folder of maps";
@@ -310,7 +311,8 @@ table!(RawSky = "sky" {
     glare: bool;
     /// The Moon's shadow on ground, clouds and air. By default on; off with look = "paper".
     eclipses: bool;
-    /// How many times brighter than in truth stars and Milky Way are drawn. Without it they fade where sunlit ground or air is in view.
+    /// How many times brighter than in truth stars and Milky Way are drawn. Without the key up to 400000 where the Moon is new or down, and they
+    /// fade where sunlit ground or air is in view.
     star_gain: f64, in 0.0..=1e6, default 4e4;
     /// Folder of stars.bin, milky_way.jpg and moon.jpg. By default the starter pack.
     folder: RawPath, of "a folder of star catalogue and maps";
