@@ -87,7 +87,8 @@ pub struct CelestialOptions {
     pub ghosts: Option<Ghosts>,
     /// Brightness of stars and Milky Way relative to the true one, so that they are visible beside daylight.
     pub star_gain: f64,
-    /// Whether that gain falls to 1 in images of sunlit ground or air: a camera exposed for daylight shows no stars.
+    /// Whether that gain falls to 1 in images of sunlit ground or air, since a camera exposed for daylight shows no stars, and rises to ten times
+    /// itself where the Moon is new or down.
     pub stars_fade_by_day: bool,
 }
 

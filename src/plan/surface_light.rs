@@ -45,8 +45,9 @@ pub struct SurfaceLight {
     /// some 4e-6 of a white sheet in sunlight (see [`CITY_RADIANCE`]), twice that of one in the light of the full Moon. In an image exposed for
     /// daylight they are invisible.
     pub night_gain: f64,
-    /// Whether that gain falls to 1 in images of sunlit ground or air: a camera exposed for daylight shows no lamps. This is independent of the
-    /// exposure: a fixed exposure also shows sunlit objects equally bright by day and by night.
+    /// Whether that gain falls to 1 in images of sunlit ground or air: a camera exposed for daylight shows no lamps. With moonlight and without an aurora
+    /// it also rises to ten times itself where the Moon is new or down. This is independent of the exposure: a fixed exposure also shows sunlit
+    /// objects equally bright by day and by night.
     pub night_fades_by_day: bool,
 }
 
