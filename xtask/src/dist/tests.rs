@@ -109,7 +109,7 @@ fn a_program_that_is_too_large_is_rejected() {
         .and_then(|file| file.set_len(MAX_PROGRAM_BYTES + 1))
         .unwrap();
     let error = pack_program(&large, &by_shell, folder.path()).unwrap_err();
-    assert!(error.to_string().contains("30000001 bytes"), "{error}");
+    assert!(error.to_string().contains("36000001 bytes"), "{error}");
 }
 
 #[cfg(unix)]
