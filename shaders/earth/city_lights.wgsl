@@ -52,8 +52,8 @@ const WIDER_REACH: f32 = 1.5;
 // Points are drawn at a fraction of the ground's distance so that the ground does not hide them: the mesh deviates from the ellipsoid. Points
 // behind the limb are left out here.
 const NEARER: f32 = 0.95;
-// Limit of screen coordinates (edges at ±1) beyond which no part of a point is inside.
-const BESIDE: f32 = 1.2;
+// Limit of screen coordinates (edges at ±1) beyond which no visible part of a point is inside.
+const BESIDE: f32 = 2.5;
 
 @vertex
 fn vertex(@builtin(vertex_index) index: u32, in: CityLight) -> Varying {

@@ -22,6 +22,8 @@ const FAR: [f64; 2] = [3.0, 6.0];
 const WITHOUT_MOON: f64 = 10.0;
 /// Sines of the Moon's elevation, −12° and 24°, below the eye, between which the ground in sight becomes moonlit.
 const MOONRISE: [f64; 2] = [-0.2, 0.4];
+/// Altitudes of the eye, metres, between which cities become a small part of the ground in sight. Below, they light the image.
+const ABOVE_CITIES_M: [f64; 2] = [4e4, 2.5e5];
 /// Mean distance of the Moon, metres.
 const MOON_M: f64 = 3.844e8;
 /// Margin for the ellipsoid's flattening, in angles, radians.
@@ -37,7 +39,7 @@ pub(crate) fn gain_beside(gain: f64, daylight: f64) -> f64 {
 }
 
 /// Raises the gain of a night light where the ground in sight has less than a full Moon's light. `moon` is the Moon's direction, unit, and its light as
-/// a fraction of the Sun's. It does not apply to a distant Earth.
+/// a fraction of the Sun's. It does not apply to a distant Earth, nor low over the ground, where cities fill the image.
 pub(crate) fn gain_by_moonlight(
     gain: f64,
     eye_itrf_m: DVec3,
@@ -47,7 +49,9 @@ pub(crate) fn gain_by_moonlight(
     let distance = eye_itrf_m.length() / ellipsoid.equatorial_radius_m;
     let is_up = smooth_step(MOONRISE, eye_itrf_m.normalize_or_zero().dot(moon.0));
     let part = (is_up * moon.1 / moonlight(0.0, MOON_M)).min(1.0);
-    let part = part.max(smooth_step(FAR, distance));
+    let height_m = (distance - 1.0) * ellipsoid.equatorial_radius_m;
+    let is_low = 1.0 - smooth_step(ABOVE_CITIES_M, height_m);
+    let part = part.max(smooth_step(FAR, distance)).max(is_low);
     // Moonlight and the rest of the light of the night together.
     let rest = (WITHOUT_MOON - 1.0).recip();
     match gain > 1.0 {
@@ -232,8 +236,9 @@ mod tests {
         assert!((gain(0.9, 0.0, eye) - 4e4).abs() < 1.0);
         assert!((gain(-0.9, 0.0, eye) - 4e5).abs() < 1.0);
         assert!(gain(0.9, PI, eye) > 3.9e5);
-        // Beside a distant Earth the phase does not matter.
+        // Beside a distant Earth and low over the ground the Moon does not matter.
         assert!((gain(-0.9, 0.0, DVec3::X * 1e8) - 4e4).abs() < 1.0);
+        assert!((gain(-0.9, 0.0, DVec3::X * 6.4e6) - 4e4).abs() < 1.0);
         // A given gain of 1 or less is no exposure.
         assert_eq!(gain_by_moonlight(1.0, eye, (DVec3::X, 0.0), &E), 1.0);
         // By a quarter at most from a degree to the next.
