@@ -1,7 +1,7 @@
 //! Measures the daylight and the moonlight in an image. Stars and night lights fade by them: a camera that is exposed for sunlit ground shows neither,
 //! and one that is exposed for moonlit ground shows no airglow.
 
-use super::moonlight;
+use super::sky::{MOON_DISTANCE_M, moonlight};
 use super::view::ItrfView;
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -24,8 +24,6 @@ const WITHOUT_MOON: f64 = 10.0;
 const MOONRISE: [f64; 2] = [-0.2, 0.4];
 /// Altitudes of the eye, metres, between which cities become a small part of the ground in sight. Below, they light the image.
 const ABOVE_CITIES_M: [f64; 2] = [4e4, 2.5e5];
-/// Mean distance of the Moon, metres.
-const MOON_M: f64 = 3.844e8;
 /// Margin for the ellipsoid's flattening, in angles, radians.
 const ROOM_RAD: f64 = 0.02;
 
@@ -48,7 +46,7 @@ pub(crate) fn gain_by_moonlight(
 ) -> f64 {
     let distance = eye_itrf_m.length() / ellipsoid.equatorial_radius_m;
     let is_up = smooth_step(MOONRISE, eye_itrf_m.normalize_or_zero().dot(moon.0));
-    let part = (is_up * moon.1 / moonlight(0.0, MOON_M)).min(1.0);
+    let part = (is_up * moon.1 / moonlight(0.0, MOON_DISTANCE_M)).min(1.0);
     let height_m = (distance - 1.0) * ellipsoid.equatorial_radius_m;
     let is_low = 1.0 - smooth_step(ABOVE_CITIES_M, height_m);
     let part = part.max(smooth_step(FAR, distance)).max(is_low);
@@ -231,7 +229,7 @@ mod tests {
         let eye = DVec3::X * (E.equatorial_radius_m + 4e5);
         let gain = |sine: f64, phase_rad: f64, eye: DVec3| {
             let moon = DVec3::new(sine, (1.0 - sine * sine).sqrt(), 0.0);
-            gain_by_moonlight(4e4, eye, (moon, moonlight(phase_rad, MOON_M)), &E)
+            gain_by_moonlight(4e4, eye, (moon, moonlight(phase_rad, MOON_DISTANCE_M)), &E)
         };
         assert!((gain(0.9, 0.0, eye) - 4e4).abs() < 1.0);
         assert!((gain(-0.9, 0.0, eye) - 4e5).abs() < 1.0);

@@ -93,7 +93,7 @@ impl Sky {
 }
 
 /// Mean distance of the Moon, metres.
-const MOON_DISTANCE_M: f64 = 3.844e8;
+pub(super) const MOON_DISTANCE_M: f64 = 3.844e8;
 
 /// Moonlight as a fraction of sunlight, for a phase and distance. A distance below a tenth of the mean is treated as that.
 pub(crate) fn moonlight(phase_rad: f64, distance_m: f64) -> f64 {
