@@ -156,8 +156,12 @@ fn fragment(in: Varying) -> @location(0) vec4f {
         discard;
     }
     var part = exp(-0.5 * square);
+    let place_m = off.x * in.ground_m.xy + off.y * in.ground_m.zw;
     if in.as_district > 0.0 {
-        part = mix(part, district(in, square, off), in.as_district) * grain(in, off);
+        part = mix(part, district(in, square, place_m), in.as_district);
+    }
+    if in.in_grains > 0.0 {
+        part *= grain(in, place_m);
     }
     let light = part * in.light;
     let shown = toned(light, frame.exposure);
@@ -172,9 +176,8 @@ const QUARTER: f32 = 0.8;
 // Mean of the inverse square of that factor.
 const MEAN_AREA: f32 = 1.2492;
 
-// Light at a pixel relative to the central light of a normal distribution.
-fn district(in: Varying, square: f32, off: vec2f) -> f32 {
-    let place_m = off.x * in.ground_m.xy + off.y * in.ground_m.zw;
+// Light so far from the middle, metres east and north, relative to the central light of a normal distribution.
+fn district(in: Varying, square: f32, place_m: vec2f) -> f32 {
     let value = uneven_square(place_m / (QUARTER * in.radius_m) + 100.0, in.seed + 2u);
     let ragged = pow(RAGGED, in.in_grains * (2.0 * value - 1.0));
     return 3.0 * exp(-sqrt(3.0 * square) * ragged) / mix(1.0, MEAN_AREA, in.in_grains);
@@ -186,9 +189,8 @@ const UNEVEN: f32 = 0.9;
 // Mean of the fourth power of the noise below.
 const MEAN_GRAIN: f32 = 0.136;
 
-// Brightness of a district at a pixel relative to its distribution; the mean is 1.
-fn grain(in: Varying, off: vec2f) -> f32 {
-    let place_m = off.x * in.ground_m.xy + off.y * in.ground_m.zw;
+// Brightness of a district at a place relative to its distribution; the mean is 1.
+fn grain(in: Varying, place_m: vec2f) -> f32 {
     let along = vec2f(cos(in.turn), sin(in.turn));
     let turned_m = vec2f(dot(along, place_m), along.x * place_m.y - along.y * place_m.x);
     let pixel_m = max(length(in.ground_m.xy), length(in.ground_m.zw));
