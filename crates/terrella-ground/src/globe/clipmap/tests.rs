@@ -181,29 +181,26 @@ pub fn assert_closed(map: &Clipmap, what: &str) {
     );
 }
 
+/// A closed surface after a change of the triangles of one patch.
+fn with_triangles(change: impl FnOnce(&mut Vec<u32>)) -> Clipmap {
+    let mut map = clipmap(at_once(5, Trim::Diamond));
+    map.prepare(&over(47.0, 11.0, 3000.0), &HILLS);
+    let indices = &mut map.levels[3].buffers[0].patch.indices;
+    change(&mut Arc::make_mut(indices).triangles);
+    map
+}
+
 #[test]
 #[should_panic(expected = "a crack at")]
 fn a_missing_triangle_is_a_crack() {
-    let mut map = clipmap(at_once(5, Trim::Diamond));
-    map.prepare(&over(47.0, 11.0, 3000.0), &HILLS);
-    let buffer = &mut map.levels[3].buffers[0];
-    let kept = buffer.patch.indices.triangles.len() - 3;
-    Arc::make_mut(&mut buffer.patch.indices)
-        .triangles
-        .truncate(kept);
+    let map = with_triangles(|triangles| triangles.truncate(triangles.len() - 3));
     assert_closed(&map, "less one");
 }
 
 #[test]
 #[should_panic(expected = "an edge twice at")]
 fn a_triangle_drawn_twice_is_no_surface() {
-    let mut map = clipmap(at_once(5, Trim::Diamond));
-    map.prepare(&over(47.0, 11.0, 3000.0), &HILLS);
-    let buffer = &mut map.levels[3].buffers[0];
-    let again = buffer.patch.indices.triangles[..3].to_vec();
-    Arc::make_mut(&mut buffer.patch.indices)
-        .triangles
-        .extend(again);
+    let map = with_triangles(|triangles| triangles.extend_from_within(..3));
     assert_closed(&map, "one more");
 }
 
