@@ -230,7 +230,7 @@ table_with_tracks!(RawOrbit = "orbit" {
     /// Axis of the spin in the axes of the spacecraft. By default [0, 0, 1].
     spin_axis: Vec<f64>, of "[x, y, z], three numbers", in AXIS;
     // A list of tables, checked by articulations.rs.
-    /// Nodes of the model that turn about an axis of their own, with their child nodes. By default none.
+    /// Nodes of the model that rotate about an axis of their own, with their child nodes. By default none.
     articulations: toml::Value, of "a list like [{ node = \"Panel\", axis = [0, 1, 0], track = \"sun\", normal = [0, 0, 1] }]";
 } {});
 
