@@ -198,6 +198,8 @@ pub fn wheel(out: &Path) -> anyhow::Result<()> {
     let mut command = Command::new(python());
     command
         .current_dir(&root)
+        // Otherwise maturin looks for ziglang in the `python3` on PATH.
+        .env("CARGO_ZIGBUILD_PYTHON_PATH", python())
         .args(["-m", "maturin", "build", "--release", "--locked", "--strip"]);
     command.args([
         "--zig",
