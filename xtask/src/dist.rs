@@ -65,8 +65,10 @@ pub fn run(parts: &[Part], program: Option<PathBuf>, out: &Path) -> anyhow::Resu
             Part::CLibrary => pack_c_library(out)?,
             Part::Wheel => pack_wheel(out)?,
         }
+        // A part that fails later leaves the checksums of the earlier ones.
+        write_checksums(out)?;
     }
-    write_checksums(out)
+    Ok(())
 }
 
 /// Builds the program for release.
