@@ -343,3 +343,35 @@ fn a_disk_that_fills_keeps_what_was_done() {
     place.succeed(&["play", "long.toml", "--frames", "a", "--resume"]);
     assert_eq!(indices(&page(&place.path("a"))).len(), 60);
 }
+
+/// Exposure does not carry over from one shot to the next: the eye of a camera needs no time for a cut.
+#[test]
+fn a_cut_is_exposed_at_once() {
+    let place = Place::new();
+    let scene = |keys: &str| {
+        format!(
+            "[time]\nstart = \"2018-06-21T10:00:00Z\"\nduration_s = 1\nspeed = 1\nframe_rate_hz = 4\n[camera]\nmode = \"geodetic\"\n{keys}\n\
+             [output]\nsize = [64, 36]\nexposure_ev = \"auto\"\n"
+        )
+    };
+    // Night over the Pacific, then noon over the Sahara.
+    let day = "lat_deg = 22, lon_deg = 12, height_km = 2000, heading_deg = 0, pitch_deg = -90";
+    let both = format!(
+        "keys = [{{ time_s = 0, lat_deg = -20, lon_deg = -160, height_km = 2000, heading_deg = 0, pitch_deg = -90 }}, \
+         {{ time_s = 0.5, {day}, cut = true }}]"
+    );
+    place.scene("both.toml", &scene(&both));
+    place.scene(
+        "day.toml",
+        &scene(&format!("keys = [{{ time_s = 0.5, {day} }}]")),
+    );
+    let exposures = |name: &str| {
+        place.succeed(&["play", &format!("{name}.toml"), "--frames", name]);
+        let page = page(&place.path(name));
+        let of = |frame: &serde_json::Value| frame["exposure_ev"].as_f64().expect("a number");
+        Vec::from_iter(page["frames"].as_array().expect("frames").iter().map(of))
+    };
+    let (both, day) = (exposures("both"), exposures("day"));
+    assert!(both[1] > day[1] + 3.0, "{both:?} {day:?}");
+    assert!((both[2] - day[2]).abs() < 1e-3, "{both:?} {day:?}");
+}

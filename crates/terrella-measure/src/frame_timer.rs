@@ -166,6 +166,7 @@ pub(super) fn moment(view: &EyeView, sky: &Sky) -> Moment {
         turn: None,
         is_starless: false,
         exposure_ev: None,
+        shot: 0,
     }
 }
 

@@ -77,11 +77,20 @@ impl CameraPath {
         }
     }
 
+    /// The number of the shot of an instant, from 0.
+    pub fn shot_number(&self, epoch: Epoch) -> usize {
+        let time_s = self.time_s(epoch);
+        let begun = self.shots.partition_point(|(from, _)| *from <= time_s);
+        begun.saturating_sub(1)
+    }
+
     /// The shot of an instant, and the time, seconds after the start.
     fn shot(&self, epoch: Epoch) -> (&Shot, f64) {
-        let time_s = (epoch - self.start).to_seconds();
-        let begun = self.shots.partition_point(|(from, _)| *from <= time_s);
-        (&self.shots[begun.saturating_sub(1)].1, time_s)
+        (&self.shots[self.shot_number(epoch)].1, self.time_s(epoch))
+    }
+
+    fn time_s(&self, epoch: Epoch) -> f64 {
+        (epoch - self.start).to_seconds()
     }
 
     /// Above the ground.

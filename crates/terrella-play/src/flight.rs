@@ -78,6 +78,8 @@ pub struct Moment {
     pub is_starless: bool,
     /// The exposure value of the instant, where the scene keys it.
     pub exposure_ev: Option<f64>,
+    /// The number of the shot, from 0: each cut of the camera begins one.
+    pub shot: usize,
 }
 
 /// A satellite at an instant.
@@ -414,6 +416,7 @@ impl Flight {
             turn: None,
             is_starless: false,
             exposure_ev: self.path.exposure_ev(epoch),
+            shot: self.path.shot_number(epoch),
         }
     }
 

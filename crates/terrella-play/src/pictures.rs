@@ -158,6 +158,7 @@ impl ScenePictures {
                 turn: None,
                 is_starless: false,
                 exposure_ev: None,
+                shot: 0,
             },
         };
         moment.exposure_ev = shot.exposure_ev.or(moment.exposure_ev);

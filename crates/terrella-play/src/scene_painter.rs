@@ -37,6 +37,8 @@ pub struct ScenePainter {
     hides_sky: bool,
     /// Follows the exposure that views ask for, where it is metered.
     adaptation: Option<Adaptation>,
+    /// The shot that was exposed last.
+    shot: usize,
     /// Number of the frame that was prepared last, of the scene's film.
     frame: u32,
     /// Whether moments with an exposure of their own are exposed as all others.
@@ -96,6 +98,7 @@ impl ScenePainter {
             shown,
             hides_sky: false,
             adaptation: (options.exposure == Exposure::Auto).then(Adaptation::default),
+            shot: 0,
             frame: 0,
             has_user_exposure: false,
             keeps_star_gain: false,
@@ -290,7 +293,7 @@ impl ScenePainter {
     #[cfg(feature = "window")]
     pub fn go_on_from(&mut self, before: Self) {
         if let (Some(own), Some(adaptation)) = (&mut self.adaptation, before.adaptation) {
-            *own = adaptation;
+            (*own, self.shot) = (adaptation, before.shot);
         }
     }
 
@@ -353,8 +356,8 @@ impl ScenePainter {
         Ok(())
     }
 
-    /// Where exposure is metered, exposes the next picture as its view asks for, followed in the time since the last, seconds,
-    /// and not at once. Answers the exposure value, where one is metered.
+    /// Where exposure is metered, adapts that of the next image to its view over the time since the last one, seconds; after a cut, at once.
+    /// Returns the exposure value, where one is metered.
     pub fn follow_light(
         &mut self,
         moment: &Moment,
@@ -366,6 +369,8 @@ impl ScenePainter {
         let Some(metered_ev) = self.earth.metered_ev(&moment.view, &moment.sky) else {
             return Ok(None);
         };
+        let is_cut = std::mem::replace(&mut self.shot, moment.shot) != moment.shot;
+        let elapsed_s = if is_cut { f64::INFINITY } else { elapsed_s };
         let ev = adaptation.follow(metered_ev, elapsed_s);
         self.earth.set_exposure(Exposure::Ev(ev))?;
         Ok(Some(ev))

@@ -59,7 +59,7 @@ impl Adaptation {
     pub const TIME_CONSTANT_S: f64 = 0.8;
 
     /// The exposure of a frame, EV. The first frame uses `metered_ev`; later ones depend on the time since the previous
-    /// frame, seconds. The same sequence of times gives the same values, independent of drawing speed.
+    /// frame, seconds; infinity adapts at once. The same sequence of times gives the same values, independent of drawing speed.
     pub fn follow(&mut self, metered_ev: f64, elapsed_s: f64) -> f64 {
         let part = 1.0 - (-elapsed_s.max(0.0) / Self::TIME_CONSTANT_S).exp();
         let ev = match self.ev {
@@ -84,6 +84,13 @@ mod tests {
             assert!(Exposure::Ev(ev).check().is_err(), "{ev}");
         }
         assert_eq!(Exposure::Auto.check(), Ok(Exposure::Auto));
+    }
+
+    #[test]
+    fn after_an_infinite_time_nothing_is_left_of_the_exposure_before() {
+        let mut adaptation = Adaptation::default();
+        adaptation.follow(1.0, 0.0);
+        assert_eq!(adaptation.follow(-7.5, f64::INFINITY), -7.5);
     }
 
     #[test]

@@ -99,6 +99,7 @@ mod tests {
             turn: None,
             is_starless: false,
             exposure_ev: None,
+            shot: 0,
         };
         let size = (241, 161);
         let map = depth_map(&moment, &sphere, [1e3, 1e8], size);
