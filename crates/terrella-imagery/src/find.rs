@@ -10,32 +10,51 @@ pub const TEXTURES_VARIABLE: &str = "TERRELLA_TEXTURES";
 /// The folder of the starter pack, from any working directory.
 ///
 /// Looks at the environment variable `TERRELLA_TEXTURES`, then at `textures` and `../share/terrella/textures` beside
-/// the executable, then, with the feature `maps`, at the crate `terrella-maps` that this library was built with. A folder counts if it holds
-/// a day map.
+/// the executable and, on Linux, beside the shared library that contains this code. Then, with the feature `maps`, at the crate `terrella-maps` that
+/// this library was built with. A folder counts if it holds a day map.
 ///
 /// # Errors
 /// [`ImageryError::FolderMissing`] if the variable is set but names no folder: a wrong setting must not be skipped
 /// in silence. [`ImageryError::NotFound`] lists the places looked at.
 pub fn find_textures() -> Result<PathBuf, ImageryError> {
-    let executable = std::env::current_exe().ok();
+    let programs = [std::env::current_exe().ok(), this_library()];
+    let folders = programs.iter().flatten().filter_map(|path| path.parent());
     find_in(
         std::env::var_os(TEXTURES_VARIABLE),
-        executable.as_deref().and_then(Path::parent),
+        &Vec::from_iter(folders),
         shipped(),
     )
+}
+
+/// The file that this code was loaded from: the executable, or a shared library. The system's table of mapped files has it.
+fn this_library() -> Option<PathBuf> {
+    if !cfg!(target_os = "linux") {
+        return None;
+    }
+    let address = this_library as *const () as usize;
+    let table = std::fs::read_to_string("/proc/self/maps").ok()?;
+    // "55d0c8a00000-55d0c8a21000 r-xp 00000000 08:02 173521      /usr/lib/libterrella_c.so"
+    table.lines().find_map(|line| {
+        let (first, last) = line.split_once(' ')?.0.split_once('-')?;
+        let bound = |text| usize::from_str_radix(text, 16).ok();
+        if !(bound(first)?..bound(last)?).contains(&address) {
+            return None;
+        }
+        line.find('/').map(|at| PathBuf::from(&line[at..]))
+    })
 }
 
 /// The folder of `terrella-maps`.
 fn shipped() -> Option<&'static Path> {
     #[cfg(feature = "maps")]
-    return Some(Path::new(terrella_maps::FOLDER));
+    return terrella_maps::FOLDER.map(Path::new);
     #[cfg(not(feature = "maps"))]
     None
 }
 
 fn find_in(
     variable: Option<OsString>,
-    executable_dir: Option<&Path>,
+    beside: &[&Path],
     shipped: Option<&Path>,
 ) -> Result<PathBuf, ImageryError> {
     if let Some(value) = variable {
@@ -47,11 +66,14 @@ fn find_in(
         };
     }
     let mut looked = Vec::new();
-    if let Some(dir) = executable_dir {
-        looked.push(dir.join("textures"));
-        looked.push(dir.join("../share/terrella/textures"));
+    for folder in beside {
+        looked.push(folder.join("textures"));
+        looked.push(folder.join("../share/terrella/textures"));
     }
     looked.extend(shipped.map(Path::to_path_buf));
+    // An executable is found twice.
+    let mut seen = std::collections::HashSet::new();
+    looked.retain(|folder| seen.insert(folder.clone()));
     match looked.iter().find(|dir| {
         super::load::DAY_NAMES
             .iter()
@@ -74,41 +96,49 @@ mod tests {
     }
 
     #[test]
+    fn an_executable_is_the_library_that_contains_this_code() {
+        if cfg!(target_os = "linux") {
+            let executable = std::env::current_exe().expect("a test program");
+            assert_eq!(this_library(), Some(executable));
+        }
+    }
+
+    #[test]
     fn the_order_is_variable_executable_share_shipped() {
         let root = tempfile::tempdir().expect("temporary folder");
         let (bin, shipped) = (root.path().join("bin"), root.path().join("maps"));
         std::fs::create_dir_all(bin.join("textures")).expect("temporary folder");
 
-        match find_in(None, Some(&bin), Some(&shipped)) {
+        match find_in(None, &[&bin], Some(&shipped)) {
             Err(ImageryError::NotFound { looked }) => assert_eq!(looked.len(), 3),
             other => panic!("{other:?}"),
         }
-        match find_in(None, Some(&bin), None) {
+        match find_in(None, &[&bin], None) {
             Err(ImageryError::NotFound { looked }) => assert_eq!(looked.len(), 2),
             other => panic!("{other:?}"),
         }
         let source = pack(shipped.clone());
         // The empty folder beside the executable does not count.
         assert_eq!(
-            find_in(None, Some(&bin), Some(&shipped)).expect("found"),
+            find_in(None, &[&bin], Some(&shipped)).expect("found"),
             source
         );
         let share = pack(root.path().join("share/terrella/textures"));
-        let found = find_in(None, Some(&bin), Some(&shipped)).expect("found");
+        let found = find_in(None, &[&bin], Some(&shipped)).expect("found");
         assert_eq!(
             found.canonicalize().expect("exists"),
             share.canonicalize().expect("exists")
         );
         let beside = pack(bin.join("textures"));
         assert_eq!(
-            find_in(None, Some(&bin), Some(&shipped)).expect("found"),
+            find_in(None, &[&bin], Some(&shipped)).expect("found"),
             beside
         );
         let own = root.path().join("own");
         std::fs::create_dir_all(&own).expect("temporary folder");
         let variable = Some(own.clone().into_os_string());
         assert_eq!(
-            find_in(variable, Some(&bin), Some(&shipped)).expect("found"),
+            find_in(variable, &[&bin], Some(&shipped)).expect("found"),
             own
         );
     }
@@ -119,7 +149,7 @@ mod tests {
         pack(root.path().join("textures"));
         let wrong = root.path().join("nowhere");
         let error =
-            find_in(Some(wrong.into_os_string()), None, Some(root.path())).expect_err("wrong");
+            find_in(Some(wrong.into_os_string()), &[], Some(root.path())).expect_err("wrong");
         assert!(matches!(error, ImageryError::FolderMissing { .. }));
         let text = error.to_string();
         assert!(
