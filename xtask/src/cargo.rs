@@ -36,8 +36,16 @@ pub struct Built {
     pub tests: Vec<TestProgram>,
 }
 
+/// Set for builds that are installed with their maps: they do not read those of this checkout.
+pub const RELEASE: (&str, &str) = ("TERRELLA_RELEASE", "1");
+
 /// Runs a cargo build command and returns its products.
 pub fn build(arguments: &[&str]) -> anyhow::Result<Built> {
+    build_with(&[], arguments)
+}
+
+/// The same with environment variables.
+pub fn build_with(variables: &[(&str, &str)], arguments: &[&str]) -> anyhow::Result<Built> {
     let what = shown(cargo().args(arguments));
     say(&what);
     // Cargo itself reports the path: the folder depends on the profile, the target and the user's configuration. The option comes first, since the
@@ -45,6 +53,7 @@ pub fn build(arguments: &[&str]) -> anyhow::Result<Built> {
     let (first, rest) = arguments.split_at(arguments.len().min(1));
     let mut command = cargo();
     let mut child = command
+        .envs(variables.iter().copied())
         .args(first)
         .arg("--message-format=json-render-diagnostics")
         .args(rest)

@@ -73,7 +73,7 @@ pub fn run(parts: &[Part], program: Option<PathBuf>, out: &Path) -> anyhow::Resu
 
 /// Builds the program for release.
 pub fn build_program() -> anyhow::Result<PathBuf> {
-    cargo::build(&BUILD)?
+    cargo::build_with(&[cargo::RELEASE], &BUILD)?
         .terrella
         .context("cargo built the program and did not say where it is")
 }
@@ -96,6 +96,7 @@ fn pack_program(
     }
     let staged = tempfile::tempdir()?;
     layout::put_program(&repository_root(), program, start, staged.path())?;
+    put_readme(layout::PROGRAM_README, staged.path())?;
     archive(staged.path(), &versioned("terrella")?, out, begun)
 }
 
@@ -104,7 +105,13 @@ fn pack_c_library(out: &Path) -> anyhow::Result<()> {
     let begun = Instant::now();
     let staged = tempfile::tempdir()?;
     faces::c_library(staged.path(), "dist")?;
+    put_readme(faces::C_README, staged.path())?;
     archive(staged.path(), &versioned("terrella-c")?, out, begun)
+}
+
+/// Writes the README where a user who extracts the archive looks first.
+fn put_readme(text: &str, folder: &Path) -> anyhow::Result<()> {
+    crate::files::write_bytes(&folder.join("README.md"), text.as_bytes())
 }
 
 /// Builds the wheel in another folder, and moves it when it is complete.

@@ -12,6 +12,8 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+/// The README of the installed C library.
+pub const C_README: &str = include_str!("dist/c_library.md");
 /// Limit on the size of the wheel with its maps, bytes.
 const MAX_WHEEL_BYTES: u64 = 25_000_000;
 
@@ -24,7 +26,7 @@ pub fn c_library(prefix: &Path, profile: &str) -> anyhow::Result<()> {
     }
     let root = repository_root();
     let mut command = cargo::cargo();
-    command.args([
+    command.envs([cargo::RELEASE]).args([
         "rustc",
         "--profile",
         profile,
@@ -115,7 +117,11 @@ fn lay_out(root: &Path, built: &[PathBuf], prefix: &Path, libraries: &str) -> an
     let [include, lib, pc, cmake] =
         ["include", "lib", "lib/pkgconfig", "lib/cmake/terrella"].map(|folder| prefix.join(folder));
     layout::put_maps(root, prefix)?;
-    layout::put_documents(root, prefix)?;
+    layout::put_documents(root, C_README, prefix)?;
+    layout::put_folder(
+        &package.join("examples"),
+        &prefix.join(layout::DOC).join("examples"),
+    )?;
     for header in ["terrella.h", "terrella.hpp"] {
         let from = package.join("include").join(header);
         copy_whole(&from, &include.join(header), false)?;
@@ -200,6 +206,7 @@ pub fn wheel(out: &Path) -> anyhow::Result<()> {
         .current_dir(&root)
         // Otherwise maturin looks for ziglang in the `python3` on PATH.
         .env("CARGO_ZIGBUILD_PYTHON_PATH", python())
+        .envs([cargo::RELEASE])
         .args(["-m", "maturin", "build", "--release", "--locked", "--strip"]);
     command.args([
         "--zig",

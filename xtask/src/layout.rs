@@ -10,15 +10,13 @@ use std::process::{Command, Stdio};
 /// The program's maps: `../share/terrella/textures` beside it.
 pub const MAPS: &str = "share/terrella/textures";
 const SCENES: &str = "share/terrella/config";
-const DOC: &str = "share/doc/terrella";
+/// Documents.
+pub const DOC: &str = "share/doc/terrella";
 const MAN: &str = "share/man/man1";
-/// Documents in every package that is built from the sources.
-const DOCUMENTS: [&str; 4] = [
-    "README.md",
-    "LICENSE-APACHE",
-    "LICENSE-MIT",
-    "THIRD-PARTY.md",
-];
+/// Licences in every package that is built from the sources.
+const LICENCES: [&str; 3] = ["LICENSE-APACHE", "LICENSE-MIT", "THIRD-PARTY.md"];
+/// The README of the installed program. The repository's describes a source checkout.
+pub const PROGRAM_README: &str = include_str!("dist/program.md");
 
 /// Shells, each with its completion file.
 const COMPLETIONS: [(&str, &str); 5] = [
@@ -45,8 +43,8 @@ pub fn put_program(
     prefix: &Path,
 ) -> anyhow::Result<()> {
     put_maps(root, prefix)?;
-    put_documents(root, prefix)?;
-    copy_folder(&root.join("config"), &prefix.join(SCENES), &|_| true)?;
+    put_documents(root, PROGRAM_README, prefix)?;
+    put_folder(&root.join("config"), &prefix.join(SCENES))?;
     let printed = |arguments: &[&str]| {
         let mut command = start(program);
         printed_by(command.args(arguments))
@@ -79,12 +77,18 @@ pub fn put_maps(root: &Path, prefix: &Path) -> anyhow::Result<()> {
     copy_folder(&root.join("textures"), &prefix.join(MAPS), &is_map)
 }
 
-/// Installs the README and the licences.
-pub fn put_documents(root: &Path, prefix: &Path) -> anyhow::Result<()> {
-    for name in DOCUMENTS {
-        copy_whole(&root.join(name), &prefix.join(DOC).join(name), false)?;
+/// Installs a README and the licences.
+pub fn put_documents(root: &Path, readme: &str, prefix: &Path) -> anyhow::Result<()> {
+    let folder = prefix.join(DOC);
+    for name in LICENCES {
+        copy_whole(&root.join(name), &folder.join(name), false)?;
     }
-    Ok(())
+    write_bytes(&folder.join("README.md"), readme.as_bytes())
+}
+
+/// Installs a folder with all files.
+pub fn put_folder(from: &Path, to: &Path) -> anyhow::Result<()> {
+    copy_folder(from, to, &|_| true)
 }
 
 /// Copies a folder recursively.

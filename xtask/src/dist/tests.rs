@@ -66,7 +66,11 @@ fn an_archive_has_all_that_the_program_needs() {
     assert_eq!(text("man/man1/terrella.1"), ".TH \n");
     assert_eq!(text("man/man1/terrella-pack-build.1"), ".TH build\n");
     assert!(text("doc/terrella/LICENSE-MIT").contains("MIT"));
-    assert!(text("doc/terrella/README.md").contains("# Terrella"));
+    let readme = fs::read_to_string(prefix.join("README.md")).unwrap();
+    assert_eq!(readme, layout::PROGRAM_README);
+    assert_eq!(text("doc/terrella/README.md"), readme);
+    // A source checkout's commands do not work here.
+    assert!(!readme.contains("cargo"), "{readme}");
     assert!(text("terrella/config/iss.toml").contains("orbits/iss.tle"));
     assert!(text("terrella/textures/SOURCES.md").contains("NASA"));
     let maps = names(&prefix.join(layout::MAPS));
@@ -173,6 +177,17 @@ fn the_archived_program_draws_a_first_picture() {
         .filter(|one| one.0[0] > 60)
         .count();
     assert!(bright > 640 * 360 / 10, "{bright} pixels are bright");
+    for block in layout::PROGRAM_README.split("```sh\n").skip(1) {
+        let mut shell = Command::new("bash");
+        let block = block.split_once("```").unwrap().0;
+        shell.args(["-e", "-c", block]).current_dir(&prefix);
+        let path = format!("{}/bin:/usr/bin:/bin", prefix.display());
+        let ran = shell
+            .env_clear()
+            .env("HOME", empty.path())
+            .env("PATH", path);
+        assert!(ran.status().unwrap().success(), "{block}");
+    }
     let scene = prefix.join("share/terrella/config/relief.toml");
     let scene = scene.to_str().unwrap();
     terrella(&["frame", scene, "-o", "relief.png", "--size", "64x36"]);
