@@ -7,7 +7,7 @@ use terrella_play::scene::{Scene, SceneError};
 #[rustfmt::skip]
 const BAD: &[Bad] = &[
     // Unknown names.
-    ("\n[camera]\nfov = 45", 3, &["[camera] fov:", "did you mean fov_deg?", "height_km"]),
+    ("\n[camera]\nfov = 45", 3, &["[camera] fov:", "did you mean fov_deg?", "`terrella check --all` lists all keys"]),
     ("[camera]\nFOV_DEG = 45", 2, &["[camera] FOV_DEG:", "did you mean fov_deg?"]),
     ("[camera]\nspeed = 45", 2, &["[camera] speed:", "belongs in [time]"]),
     ("[output]\nqwxz = 1", 2, &["[output] qwxz: unknown key.", "[output] has size, samples"]),
@@ -23,6 +23,11 @@ const BAD: &[Bad] = &[
     ("[output]\nfps = 24", 2, &["[output] fps:", "did you mean frame_rate_hz in [time]?"]),
     ("fps = 24", 1, &["fps: unknown key", "did you mean frame_rate_hz in [time]?"]),
     ("[satellite]\ntle = \"a.tle\"", 1, &["[satellite]:", "did you mean [orbit]?"]),
+    ("[[stations]]\nname = \"A\"", 1, &["[stations]:", "did you mean [[station]]?"]),
+    ("[stations]\nname = \"A\"", 1, &["[stations]:", "did you mean [station]?"]),
+    ("[[station]]\ntitle = \"A\"", 2, &["[station] title:", "did you mean name?"]),
+    ("[[caption]]\ntitle = \"A\"", 2, &["[caption] title:", "did you mean text?"]),
+    ("title = \"A\"", 1, &["title: unknown key", "did you mean text in [caption]?"]),
     ("\"\\u001b[31m\" = 1", 1, &["\\u{1b}[31m: unknown key"]),
     ("[time.zone]\nname = \"CET\"", 1, &["[time] zone: unknown key"]),
     // Wrong types.
@@ -229,8 +234,19 @@ const BAD: &[Bad] = &[
     ("[quality]\ntarget = 16", 2, &["[quality] target", "target_ms"]),
     // Not TOML.
     ("[time]\nspeed 60", 2, &["is not TOML", "`"]),
-    ("[time]\nspeed = 60\nspeed = 70", 3, &["is not TOML", "duplicate", "`speed`"]),
-    ("[time]\n[camera]\n[time]", 3, &["is not TOML", "duplicate"]),
+    ("[time]\nspeed = 60\nspeed = 70", 3, &["is not TOML", "duplicate", "`speed`; leave one of the two out"]),
+    ("[time]\n[camera]\n[time]", 3, &["is not TOML", "duplicate", "write [time] once"]),
+    ("[orbit]\n[camera]\n[orbit]", 3, &["duplicate key", "write [[orbit]] for each of several satellites"]),
+    ("[orbit]\n[camera]\n  [[ orbit ]] # two", 3, &["duplicate key", "write [[orbit]] for each of several satellites"]),
+    ("[station]\n[station]", 2, &["duplicate key", "write [[station]] for each of several ground stations"]),
+    ("[geojson]\n[geojson]", 2, &["duplicate key", "write [[geojson]] for each of several files"]),
+    ("[caption]\n[caption]", 2, &["duplicate key", "write [[caption]] for each of several captions"]),
+    ("[camera.keys]\n[camera.keys]", 2, &["duplicate key", "write [[camera.keys]] for each of several keyframes"]),
+    ("[earth]\nclouds = yes", 2, &["is not TOML", "`yes`; write true or false"]),
+    ("[earth]\nclouds = no # none", 2, &["is not TOML", "`no`; write true or false"]),
+    ("[earth]\nclouds = on", 2, &["is not TOML", "`on`; write true or false"]),
+    ("[earth]\nclouds = off", 2, &["is not TOML", "`off`; write true or false"]),
+    ("[earth]\nclouds = True", 2, &["is not TOML", "`True`; write true or false"]),
     ("[time\nspeed = 60", 1, &["is not TOML"]),
     ("[camera]\nmode = \"nadir", 2, &["is not TOML"]),
     ("[camera]\nmode =", 2, &["is not TOML"]),
@@ -239,6 +255,36 @@ const BAD: &[Bad] = &[
 #[test]
 fn every_bad_scene_is_rejected_with_file_line_key_and_remedy() {
     Folder::new().rejects(BAD);
+}
+
+/// A list of up to ninety names would hide the suggestion.
+#[test]
+fn a_suggestion_stands_without_the_list_of_names() {
+    for (text, near, other) in [
+        (
+            "[earth]\nloook = \"full\"",
+            "did you mean look?",
+            "night_gain",
+        ),
+        ("[stations]\n", "did you mean [station]?", "[sky]"),
+        ("fps = 24", "did you mean frame_rate_hz in [time]?", "[sky]"),
+        ("[camera]\nspeed = 45", "it belongs in [time]", "fov_deg"),
+        (
+            "[orbit]\nnode_deg = 3",
+            "now called raan_deg",
+            "true_anomaly_deg",
+        ),
+        (
+            "[[camera.keys]]\ntime_s = 0\nfov = 40",
+            "did you mean fov_deg?",
+            "exposure_ev",
+        ),
+    ] {
+        let error = Folder::new().load(text).expect_err("an unknown name");
+        let message = error.to_string();
+        assert!(message.contains(near), "{message}");
+        assert!(!message.contains(other), "{message}");
+    }
 }
 
 #[test]

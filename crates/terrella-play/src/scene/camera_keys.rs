@@ -143,14 +143,14 @@ impl SceneText<'_> {
         for name in entries.keys() {
             if !known().any(|known| known == name) {
                 let hint = match nearest(name, known()) {
-                    Some(near) => format!("unknown key; did you mean {near}? "),
-                    None => "unknown key. ".to_owned(),
+                    Some(near) => format!("unknown key; did you mean {near}?"),
+                    None => format!("unknown key. {LIST}"),
                 };
                 return Err(self.reject_at(
                     "camera.keys",
                     &printable(name),
                     entries.get(name).map_or(all, Spanned::span),
-                    hint + LIST,
+                    hint,
                 ));
             }
         }

@@ -66,7 +66,7 @@ pub enum SceneError {
         line: usize,
     },
     /// The text is not TOML.
-    #[error("{}:{line}:{column}: is not TOML: {message}, at {found}", path.display())]
+    #[error("{}:{line}:{column}: is not TOML: {message}, at {found}{remedy}", path.display())]
     Syntax {
         path: PathBuf,
         /// Line, from 1.
@@ -77,12 +77,14 @@ pub enum SceneError {
         message: String,
         /// The text there.
         found: String,
+        /// The remedy after a semicolon, if the mistake is a common one; else empty.
+        remedy: String,
     },
     /// A key or table that no scene has.
     #[error("{place}: {remedy}")]
     Unknown {
         place: Box<KeyLocation>,
-        /// The nearest known name and all known names.
+        /// The nearest known name, or all known names.
         remedy: String,
     },
     /// A required key is missing.

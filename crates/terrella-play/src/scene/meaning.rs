@@ -146,6 +146,8 @@ const KEYS: &[(&str, &str, &[&str])] = &[
     ("earth", "pack", &["imagery", "tiles"]),
     ("earth", "textures", &["images", "maps"]),
     ("earth", "levels", &["lod", "level_of_detail"]),
+    ("caption", "text", &["label", "title"]),
+    ("station", "name", &["label", "site", "title"]),
     ("sky", "milky_way", &["galaxy"]),
     ("sky", "glare", &["bloom", "flare", "lens_flare"]),
     (

@@ -16,6 +16,9 @@ const NOT_DRAWN: &[(&str, &str, &str)] = &[(
     "polygons are drawn as outlines, without a fill; leave it out",
 )];
 
+/// Where all names are listed, for errors that suggest one of them.
+pub(super) const LISTED: &str = "`terrella check --all` lists all keys";
+
 impl SceneText<'_> {
     /// The file's text as tables and keys, or the error.
     pub(super) fn parse(&self) -> Result<RawScene, SceneError> {
@@ -38,7 +41,43 @@ impl SceneText<'_> {
             column: self.column(span.start),
             message: printable(error.message()),
             found,
+            remedy: self.syntax_remedy(error.message(), &span),
         }
+    }
+
+    /// The remedy for a common syntax error, after a semicolon; empty for others.
+    fn syntax_remedy(&self, message: &str, span: &Range<usize>) -> String {
+        let word = self.text.get(span.clone()).unwrap_or_default().trim();
+        let is_switch = ["yes", "no", "on", "off", "true", "false"]
+            .iter()
+            .any(|switch| word.eq_ignore_ascii_case(switch));
+        if is_switch {
+            return "; write true or false".to_owned();
+        }
+        if message != "duplicate key" {
+            return String::new();
+        }
+        let line = self.text.lines().nth(self.line(span.start) - 1);
+        let header = line
+            .map(str::trim_start)
+            .filter(|line| line.starts_with('['));
+        let Some(header) = header else {
+            return "; leave one of the two out".to_owned();
+        };
+        let header = header.trim_start_matches('[');
+        let name = header.split(']').next().unwrap_or_default().trim();
+        let several = match name {
+            "orbit" => "satellites",
+            "station" => "ground stations",
+            "geojson" => "files",
+            "caption" => "captions",
+            "camera.keys" => "keyframes",
+            other => {
+                let name = printable(other);
+                return format!("; write [{name}] once, with all of its keys below it");
+            }
+        };
+        format!("; write [[{name}]] for each of several {several}")
     }
 
     fn place(&self, offset: usize, table: &str, key: &str) -> Box<KeyLocation> {
@@ -123,7 +162,8 @@ impl SceneText<'_> {
             .map(|table| format!("[{table}]"))
             .collect::<Vec<_>>()
             .join(", ");
-        let is_table = matches!(value.get_ref(), DeValue::Table(_));
+        let is_list = is_list_of_tables(value.get_ref());
+        let is_table = is_list || matches!(value.get_ref(), DeValue::Table(_));
         let home = TABLES
             .iter()
             .find(|table| table.keys.iter().any(|key| key.name == word));
@@ -135,9 +175,10 @@ impl SceneText<'_> {
             None if is_table => (
                 self.place(offset, word, ""),
                 match table_meant(word).or_else(|| nearest(word, tables)) {
-                    Some(near) => {
-                        format!("unknown table; did you mean [{near}]? A scene has {all}")
+                    Some(near) if is_list => {
+                        format!("unknown table; did you mean [[{near}]]? {LISTED}")
                     }
+                    Some(near) => format!("unknown table; did you mean [{near}]? {LISTED}"),
                     None => format!("unknown table; a scene has {all}"),
                 },
             ),
@@ -153,7 +194,7 @@ impl SceneText<'_> {
                     self.place(offset, "", word),
                     match near {
                         Some((table, key)) => format!(
-                            "unknown key outside any table; did you mean {key} in [{table}]? A scene has only the tables {all}"
+                            "unknown key outside any table; did you mean {key} in [{table}]? {LISTED}"
                         ),
                         None => format!(
                             "unknown key outside any table; a scene has only the tables {all}"
@@ -168,7 +209,6 @@ impl SceneText<'_> {
     fn unknown_key(&self, table: &Table, name: &Spanned<DeString<'_>>) -> SceneError {
         let word: &str = name.get_ref();
         let keys = table.keys.iter().map(|key| key.name);
-        let all = keys.clone().collect::<Vec<_>>().join(", ");
         let home = TABLES
             .iter()
             .find(|other| other.keys.iter().any(|key| key.name == word));
@@ -180,22 +220,24 @@ impl SceneText<'_> {
         let near = match meant {
             Some((of, key)) if of == table.name => Some(key.to_owned()),
             Some((of, key)) => Some(format!("{key} in [{of}]")),
-            None => nearest(word, keys).map(str::to_owned),
+            None => nearest(word, keys.clone()).map(str::to_owned),
         };
-        let hint = match (renamed, home, near) {
-            (Some((_, new)), ..) => format!("this key is now called {new}; rename it."),
-            (None, Some(home), _) => format!("unknown key here; it belongs in [{}].", home.name),
-            (None, None, Some(near)) => format!("unknown key; did you mean {near}?"),
-            (None, None, None) => "unknown key.".to_owned(),
-        };
+        let not_drawn = NOT_DRAWN
+            .iter()
+            .find(|not| (not.0, not.1) == (table.name, word));
         SceneError::Unknown {
             place: self.place(name.span().start, table.name, word),
-            remedy: match NOT_DRAWN
-                .iter()
-                .find(|not| (not.0, not.1) == (table.name, word))
-            {
-                Some((.., why)) => (*why).to_owned(),
-                None => format!("{hint} [{}] has {all}", table.name),
+            remedy: match (not_drawn, renamed, home, near) {
+                (Some((.., why)), ..) => (*why).to_owned(),
+                (_, Some((_, new)), ..) => format!("this key is now called {new}; rename it"),
+                (_, _, Some(home), _) => {
+                    format!("unknown key here; it belongs in [{}]", home.name)
+                }
+                (.., Some(near)) => format!("unknown key; did you mean {near}? {LISTED}"),
+                _ => {
+                    let all = keys.collect::<Vec<_>>().join(", ");
+                    format!("unknown key. [{}] has {all}", table.name)
+                }
             },
         }
     }
@@ -248,6 +290,11 @@ fn too_large(value: &DeValue<'_>) -> bool {
 
 fn is_table(value: &Spanned<DeValue<'_>>) -> bool {
     matches!(value.get_ref(), DeValue::Table(_))
+}
+
+/// Whether a value is that of `[[NAME]]`.
+fn is_list_of_tables(value: &DeValue<'_>) -> bool {
+    matches!(value, DeValue::Array(items) if !items.is_empty() && items.iter().all(is_table))
 }
 
 fn contains(outer: &Range<usize>, inner: &Range<usize>) -> bool {
