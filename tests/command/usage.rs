@@ -294,6 +294,39 @@ fn bad_usage_is_2() {
 }
 
 #[test]
+fn options_without_meaning_are_answered_with_the_usage_of_their_command() {
+    let place = Place::new();
+    let said = place.fail(
+        2,
+        &[
+            "play",
+            "small.toml",
+            "--video",
+            "a.mp4",
+            "--format",
+            "png16",
+        ],
+    );
+    for part in [
+        "--format png16 is for --frames",
+        "leave --format out, or choose pq or hlg",
+        "terrella play [OPTIONS]",
+    ] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    for arguments in [
+        &["frame", "small.toml", "-o", "a.png", "--satellite", "A"][..],
+        &["check", "small.toml", "--satellite", "A"],
+    ] {
+        let said = place.fail(2, arguments);
+        let usage = format!("terrella {} [OPTIONS]", arguments[0]);
+        assert!(said.contains(&usage), "{said}");
+    }
+    let said = place.fail(1, &["frame", "small.toml", "-o", "a.exr"]);
+    assert!(said.contains("or give --format exr"), "{said}");
+}
+
+#[test]
 fn check_says_what_is_used_and_how_long_the_elements_hold() {
     let place = Place::new();
     place.scene("iss.toml", "");

@@ -241,14 +241,19 @@ fn without_ffmpeg_the_built_in_encoder_is_taken() {
         .expect("starts");
     assert_eq!(output.status.code(), Some(0), "{}", words(&output));
     check_video(&place.path("a.mp4"));
-    for more in [["--encoder", "ffmpeg"], ["--codec", "h265"]] {
+    for (more, way) in [
+        (["--encoder", "ffmpeg"], "choose --encoder builtin"),
+        (["--codec", "h265"], "leave --codec out"),
+        (["--crf", "20"], "leave --crf out"),
+    ] {
         let output = place
             .command(&[&arguments[..], &more].concat())
             .env("PATH", &empty)
             .output()
             .expect("starts");
         assert_eq!(output.status.code(), Some(1));
-        assert!(words(&output).contains("install it"), "{}", words(&output));
+        let said = words(&output);
+        assert!(said.contains("install it") && said.contains(way), "{said}");
     }
 }
 

@@ -25,7 +25,7 @@ pub struct CheckArgs {
 /// Loads the scene and its files and prints a summary.
 pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
     let scene = args.scene.load(&args.satellites.satellite)?;
-    args.satellites.reject_scenes(&scene);
+    args.satellites.reject_scenes("check", &scene);
     let flight = open_flight(scene, Flight::open_without_listening)?;
     flight.check_files()?;
     let dropped = flight.dropped_layers()?;

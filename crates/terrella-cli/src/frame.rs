@@ -8,12 +8,15 @@ use super::picture_args::PictureArgs;
 use super::progress::Bars;
 use super::scene_args::{SatelliteArgs, SceneArgs, open_flight};
 use super::values;
-use super::{Cli, Common};
+use super::{Common, reject_usage};
+use clap::Args;
 use clap::error::ErrorKind;
-use clap::{Args, CommandFactory};
 use std::path::PathBuf;
 use terrella::frames::Epoch;
 use terrella_play::{Flight, Progress, StillRequest, night_note, write_still};
+
+/// The subcommand, for messages about its usage.
+const NAME: &str = "frame";
 
 /// Arguments of `terrella frame`.
 #[derive(Debug, Args)]
@@ -60,7 +63,7 @@ pub struct FrameArgs {
 pub fn run(args: &FrameArgs, common: &Common) -> anyhow::Result<()> {
     reject_conflicts(args, common);
     let scene = args.scene.load(&args.satellites.satellite)?;
-    args.satellites.reject_scenes(&scene);
+    args.satellites.reject_scenes(NAME, &scene);
     let flight = open_flight(scene, Flight::open)?;
     if let Some(simulation) = flight.simulation() {
         do_first(simulation.stopper());
@@ -131,7 +134,5 @@ fn reject_conflicts(args: &FrameArgs, common: &Common) {
 }
 
 fn reject(message: &str) -> ! {
-    Cli::command()
-        .error(ErrorKind::ArgumentConflict, message)
-        .exit()
+    reject_usage(NAME, ErrorKind::ArgumentConflict, message)
 }

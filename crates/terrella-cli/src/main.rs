@@ -32,8 +32,10 @@ mod suggestions;
 mod terrain;
 mod values;
 
+use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
+use std::fmt::Display;
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
 use terrella_play::PlayError;
@@ -178,6 +180,15 @@ fn main() -> ExitCode {
 /// The command line as it is declared, with examples.
 fn command() -> clap::Command {
     examples::added_to(Cli::command())
+}
+
+/// Ends the program, as clap does, with the usage of this command.
+fn reject_usage(name: &str, kind: ErrorKind, message: impl Display) -> ! {
+    let mut root = command();
+    // Names the usage of commands after the program.
+    root.build();
+    let mut own = root.find_subcommand(name).cloned().unwrap_or(root);
+    own.error(kind, message).exit()
 }
 
 /// Reads the arguments. Help, and bad usage with its suggestions, end the program.

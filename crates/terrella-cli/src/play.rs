@@ -6,9 +6,9 @@ use super::progress::Bars;
 use super::scene_args::{SatelliteArgs, SceneArgs, open_flight};
 use super::serve::simulation_scene;
 use super::values;
-use super::{Cli, Common};
+use super::{Common, reject_usage};
 use clap::error::ErrorKind;
-use clap::{Args, CommandFactory, ValueEnum};
+use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use terrella::frames::Epoch;
 use terrella_orbit::basilisk::Endpoint;
@@ -17,6 +17,9 @@ use terrella_play::{
     EncoderChoice, Existing, ExportRequest, Flight, FrameRange, RawFilmRequest, RawFormat,
     VideoCodec, VideoCoding, WindowRequest, export, play_in_window, write_raw_film,
 };
+
+/// The subcommand, for messages about its usage.
+const NAME: &str = "play";
 
 /// Arguments of `terrella play`.
 #[derive(Debug, Args)]
@@ -133,13 +136,11 @@ pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
         }
         None => args.scene.load_with(names, duration.as_slice())?,
     };
-    args.satellites.reject_scenes(&scene);
+    args.satellites.reject_scenes(NAME, &scene);
     if let Some(start) = args.start {
         if scene.is_live() {
             let message = "--start has no effect in this scene: the simulator sets the time";
-            Cli::command()
-                .error(ErrorKind::ArgumentConflict, message)
-                .exit();
+            reject_usage(NAME, ErrorKind::ArgumentConflict, message);
         }
         scene.begin(start)?;
     }
@@ -203,7 +204,7 @@ pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
 
 /// Ends the program, as clap does, where options have no meaning together.
 fn reject_conflicts(args: &PlayArgs) {
-    let reject = |kind, message: String| -> ! { Cli::command().error(kind, message).exit() };
+    let reject = |kind, message: String| -> ! { reject_usage(NAME, kind, message) };
     let pictures = &args.pictures;
     let existing = [("--overwrite", args.overwrite), ("--resume", args.resume)];
     let existing = existing.into_iter().find(|(_, is_given)| *is_given);
@@ -238,9 +239,16 @@ fn reject_conflicts(args: &PlayArgs) {
     }
     // Videos show the same image for all other formats.
     let is_hdr = pictures.settings().hdr().is_some();
-    if pictures.format.is_some() && !is_hdr && args.frames.is_none() {
-        let message = "--format needs --frames, except pq and hlg".to_owned();
-        reject(ErrorKind::MissingRequiredArgument, message);
+    if let Some(format) = pictures.format
+        && !is_hdr
+        && args.frames.is_none()
+    {
+        let name = format.to_possible_value();
+        let name = name.as_ref().map_or("", |value| value.get_name());
+        let message = format!(
+            "--format {name} is for --frames: a video has the same colours with png, png16 and exr; leave --format out, or choose pq or hlg"
+        );
+        reject(ErrorKind::ArgumentConflict, message);
     }
     if pictures.alpha && args.video.is_some() {
         let message =

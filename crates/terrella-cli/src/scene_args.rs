@@ -1,8 +1,8 @@
 //! The input of a command: a scene file, an orbit file, or the built-in scene.
 
-use super::Cli;
+use super::reject_usage;
+use clap::Args;
 use clap::error::ErrorKind;
-use clap::{Args, CommandFactory};
 use std::path::{Path, PathBuf};
 use terrella_orbit::OrbitError;
 use terrella_play::scene::{Scene, SceneError, Setting};
@@ -39,8 +39,8 @@ pub struct SatelliteArgs {
 }
 
 impl SatelliteArgs {
-    /// Exits, as clap does, if satellites are selected from a scene file.
-    pub fn reject_scenes(&self, scene: &Scene) {
+    /// Exits, as clap does for a command of this name, if satellites are selected from a scene file.
+    pub fn reject_scenes(&self, command: &str, scene: &Scene) {
         if self.satellite.is_empty() || scene.is_of_orbits() {
             return;
         }
@@ -48,9 +48,7 @@ impl SatelliteArgs {
             "--satellite is for orbit files, and {} is a scene: set follow under [camera] in it",
             scene.path.display()
         );
-        Cli::command()
-            .error(ErrorKind::ArgumentConflict, message)
-            .exit()
+        reject_usage(command, ErrorKind::ArgumentConflict, message)
     }
 }
 

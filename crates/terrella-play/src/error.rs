@@ -423,14 +423,21 @@ pub enum VideoError {
     /// `ffmpeg` is requested and not installed.
     #[error(
         "ffmpeg was not found on the search path; install it (on Debian and Ubuntu `apt-get install ffmpeg`), or \
-         choose --encoder builtin"
+         {remedy}"
     )]
-    NoFfmpeg,
+    NoFfmpeg {
+        /// The way without it.
+        remedy: String,
+    },
     /// `ffmpeg` is there without the encoder.
     #[error(
-        "the installed ffmpeg has no {encoder}; install one that has, or choose another --codec, or --encoder builtin, which writes H.264"
+        "the installed ffmpeg has no {encoder}; install one that has, choose another --codec, or {remedy}"
     )]
-    NoEncoder { encoder: &'static str },
+    NoEncoder {
+        encoder: &'static str,
+        /// The way without ffmpeg.
+        remedy: String,
+    },
     /// A codec or quality that the built-in encoder does not have.
     #[error(
         "the built-in encoder writes H.264 of one quality; leave --codec and --crf out, or choose --encoder ffmpeg"

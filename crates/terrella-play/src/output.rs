@@ -18,7 +18,7 @@ use terrella_files::durable;
 #[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum OutputError {
     /// The file name has the extension of another format.
-    #[error("{}: {what} are written as .{extension}; name it {}", path.display(), path.with_extension(extension).display())]
+    #[error("{}: {what} are written as .{extension}; name it {}{}", path.display(), path.with_extension(extension).display(), format_advice(path, what, extension))]
     Extension {
         /// The requested name.
         path: PathBuf,
@@ -96,6 +96,19 @@ impl OutputError {
             StorageFull | QuotaExceeded | FileTooLarge => Self::Full { path, source },
             _ => Self::Write { path, source },
         }
+    }
+}
+
+/// For an image named as one of another format: the option that writes that format.
+fn format_advice(path: &Path, what: &str, extension: &str) -> &'static str {
+    let is = |name: &str| {
+        let given = path.extension();
+        given.is_some_and(|given| given.eq_ignore_ascii_case(name))
+    };
+    match (what, extension) {
+        ("images", "png") if is("exr") => ", or give --format exr",
+        ("images", "exr") if is("png") => ", or leave --format exr out",
+        _ => "",
     }
 }
 
@@ -356,6 +369,15 @@ mod tests {
         assert!(rejection(at("missing/a.png")).contains("create it first"));
         let jpg = rejection(at("a.jpg"));
         assert!(jpg.contains(".png") && jpg.contains("a.png"), "{jpg}");
+        let exr = rejection(at("a.EXR"));
+        assert!(exr.ends_with("a.png, or give --format exr"), "{exr}");
+        let png = PendingFile::create(&at("a.png"), "images", "exr").expect_err("rejected");
+        assert!(
+            png.to_string().ends_with("or leave --format exr out"),
+            "{png}"
+        );
+        let other = PendingFile::create(&at("a.exr"), "charts", "png").expect_err("rejected");
+        assert!(!other.to_string().contains("--format"), "{other}");
         std::fs::create_dir(at("b.png")).expect("makes");
         assert!(rejection(at("b.png")).contains("a folder"));
         std::fs::write(at("file"), b"").expect("writes");

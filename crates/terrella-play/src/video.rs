@@ -165,6 +165,7 @@ pub fn open_video(
     };
     // Settings that the built-in encoder does not support are not dropped silently.
     let needs_ffmpeg = format.coding != VideoCoding::default();
+    let remedy = way_without_ffmpeg(format, choice);
     match (choice, found) {
         (EncoderChoice::Ffmpeg | EncoderChoice::Auto, ffmpeg::FfmpegInstalled::WithEncoder) => {
             let name = format!("ffmpeg, {encoder}, quality {}", format.coding.quality());
@@ -172,14 +173,16 @@ pub fn open_video(
         }
         (EncoderChoice::Builtin, _) if needs_ffmpeg => Err(VideoError::BuiltinCoding.into()),
         (EncoderChoice::Ffmpeg, ffmpeg::FfmpegInstalled::WithoutEncoder) => {
-            Err(VideoError::NoEncoder { encoder }.into())
+            Err(VideoError::NoEncoder { encoder, remedy }.into())
         }
         (EncoderChoice::Auto, ffmpeg::FfmpegInstalled::WithoutEncoder) if needs_ffmpeg => {
-            Err(VideoError::NoEncoder { encoder }.into())
+            Err(VideoError::NoEncoder { encoder, remedy }.into())
         }
-        (EncoderChoice::Ffmpeg, ffmpeg::FfmpegInstalled::No) => Err(VideoError::NoFfmpeg.into()),
+        (EncoderChoice::Ffmpeg, ffmpeg::FfmpegInstalled::No) => {
+            Err(VideoError::NoFfmpeg { remedy }.into())
+        }
         (EncoderChoice::Auto, ffmpeg::FfmpegInstalled::No) if needs_ffmpeg => {
-            Err(VideoError::NoFfmpeg.into())
+            Err(VideoError::NoFfmpeg { remedy }.into())
         }
         (EncoderChoice::Auto | EncoderChoice::Builtin, _) => {
             let name = "the built-in encoder, OpenH264".to_owned();
@@ -188,6 +191,25 @@ pub fn open_video(
                 name,
             ))
         }
+    }
+}
+
+/// How a video can be made without ffmpeg: by the built-in encoder, which has one codec and one quality.
+fn way_without_ffmpeg(format: VideoFormat, choice: EncoderChoice) -> String {
+    if format.hdr.is_some() {
+        return "write frames with --frames".to_owned();
+    }
+    let options = match (format.coding.codec, format.coding.crf) {
+        (VideoCodec::H264, None) => {
+            return "choose --encoder builtin, which writes H.264".to_owned();
+        }
+        (VideoCodec::H264, Some(_)) => "--crf",
+        (_, None) => "--codec",
+        (_, Some(_)) => "--codec and --crf",
+    };
+    match choice {
+        EncoderChoice::Auto => format!("leave {options} out"),
+        _ => format!("leave {options} out and choose --encoder builtin"),
     }
 }
 
@@ -217,5 +239,27 @@ mod tests {
         of(VideoCodec::Av1, (64, 64)).expect("the least");
         let rejected = of(VideoCodec::Av1, (640, 62)).expect_err("too low");
         assert!(rejected.to_string().contains("64 × 64"), "{rejected}");
+    }
+
+    #[test]
+    fn the_way_without_ffmpeg_leaves_out_what_only_it_has() {
+        let way = |codec, crf, choice| {
+            let format = VideoFormat {
+                size: (64, 36),
+                frame_rate_hz: 30.0,
+                coding: VideoCoding { codec, crf },
+                hdr: None,
+            };
+            way_without_ffmpeg(format, choice)
+        };
+        let (auto, asked) = (EncoderChoice::Auto, EncoderChoice::Ffmpeg);
+        assert_eq!(way(VideoCodec::H264, Some(20), auto), "leave --crf out");
+        assert_eq!(way(VideoCodec::H265, None, auto), "leave --codec out");
+        assert_eq!(
+            way(VideoCodec::Av1, Some(20), asked),
+            "leave --codec and --crf out and choose --encoder builtin"
+        );
+        let builtin = way(VideoCodec::H264, None, asked);
+        assert!(builtin.starts_with("choose --encoder builtin"), "{builtin}");
     }
 }
