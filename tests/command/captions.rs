@@ -33,21 +33,39 @@ fn captions_are_in_films() {
         let magenta = frame.pixels().filter(|pixel| pixel.0 == [255, 0, 255]);
         assert_eq!(magenta.count(), 32);
     }
-    // Light has none, with a message.
-    let output = place.run(&[
-        "play",
-        "captions.toml",
-        "--frames",
-        "exr",
-        "--format",
-        "exr",
-    ]);
-    let said = words(&output);
-    assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(
-        said.contains("have no room for captions") && said.contains("leave [[caption]] out"),
-        "{said}"
-    );
+}
+
+#[test]
+fn captions_are_left_out_of_light_and_transparent_images_with_one_notice() {
+    let place = place();
+    for (options, ending) in [
+        (&["--format", "exr"][..], "exr"),
+        (&["--alpha"], "png"),
+        (&["--alpha", "--format", "png16"], "png"),
+    ] {
+        let notices = |scene: &str, folder: &str| {
+            let film = ["play", scene, "--frames", folder, "--overwrite"];
+            let said = words(&place.succeed(&[&film[..], options].concat()));
+            said.matches("captions are left out").count()
+        };
+        assert_eq!(notices("small.toml", "plain"), 0, "{options:?}");
+        assert_eq!(notices("captions.toml", "film"), 1, "{options:?}");
+        let frames = names(&place.path("plain")).into_iter();
+        let frames: Vec<_> = frames.filter(|name| name.ends_with(ending)).collect();
+        assert_eq!(frames.len(), 4);
+        for frame in &frames {
+            let bytes = |folder: &str| std::fs::read(place.path(folder).join(frame));
+            assert_eq!(
+                bytes("plain").expect("there"),
+                bytes("film").expect("there")
+            );
+        }
+        let still = ["frame", "captions.toml", "-o"];
+        let file = format!("still.{ending}");
+        let output = place.succeed(&[&still[..], &[file.as_str()], options].concat());
+        let said = words(&output);
+        assert_eq!(said.matches("captions are left out").count(), 1, "{said}");
+    }
 }
 
 #[test]

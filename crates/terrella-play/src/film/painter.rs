@@ -48,7 +48,7 @@ impl FilmPainter {
     /// Rejects settings that a scene cannot be drawn with.
     ///
     /// # Errors
-    /// The paper's shading where pictures are made of light, and what stands over them where they are light itself; a peak luminance without PQ or out of range.
+    /// The paper's shading where pictures are made of light, and tracks, names and lines where they are light itself (captions are left out of these); a peak luminance without PQ or out of range.
     pub fn check(flight: &Flight, settings: &PictureSettings) -> Result<(), FilmError> {
         if let Some(peak_cd_m2) = settings.peak_cd_m2 {
             if settings.format != PictureFormat::Pq {
@@ -90,9 +90,6 @@ impl FilmPainter {
                 "switch trail, ground_track, subpoint, marker and footprint off",
             ));
         }
-        if !overlay && !scene.captions.is_empty() {
-            return Err(no_room("captions", "leave [[caption]] out"));
-        }
         if scene.earth.light.is_none() {
             return Err(rejected(
                 "the paper's shading",
@@ -121,6 +118,12 @@ impl FilmPainter {
     ) -> Result<Self, PlayError> {
         Self::check(flight, &settings)?;
         let scene = flight.scene();
+        if !settings.take_overlay() && !scene.captions.is_empty() {
+            tracing::warn!(
+                "{}: captions are left out: they have display colours, and images of --format exr and --alpha have none",
+                scene.path.display()
+            );
+        }
         let (mut renderer, pixels_a_side) = match settings.need_light() {
             false => (OffscreenRenderer::open(gpu, options, size)?, 1),
             true => {
