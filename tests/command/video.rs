@@ -321,11 +321,9 @@ fn a_film_that_is_interrupted_takes_its_unfinished_files_away() {
         assert!(sent.expect("kill starts").success());
         let output = child.wait_with_output().expect("ends");
         assert_eq!(output.status.code(), Some(130), "{}", words(&output));
-        assert!(
-            words(&output).contains("interrupted after"),
-            "{}",
-            words(&output)
-        );
+        let said = words(&output);
+        assert!(said.contains("interrupted after"), "{said}");
+        assert!(said.contains("--resume without --video"), "{said}");
         assert_eq!(place.names(), ["frames", "long.toml", "small.toml"]);
         let frames = names(&place.path("frames"));
         assert!(frames.len() >= 2);

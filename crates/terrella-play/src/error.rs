@@ -177,7 +177,7 @@ pub enum PlayError {
     NoSimulation { scene: PathBuf },
     /// The work was stopped from outside.
     #[error(
-        "interrupted after {done}{} frames; an unfinished video is removed, finished frames are kept, and --resume continues with them",
+        "interrupted after {done}{} frames; {left}",
         wanted.map_or_else(String::new, |wanted| format!(" of {wanted}"))
     )]
     Interrupted {
@@ -185,6 +185,8 @@ pub enum PlayError {
         done: u64,
         /// Frames wanted, where that is known.
         wanted: Option<u64>,
+        /// What is kept, and how to go on with it.
+        left: &'static str,
     },
     /// No satellite with the requested name, or no satellite at all.
     #[error("{}: satellite {wanted:?}: {remedy}", scene.display())]

@@ -3,7 +3,7 @@
 use super::basilisk::with_camera_service;
 use super::clock::frame_epoch;
 use super::error::PlayError;
-use super::export_words::FilmWords;
+use super::export_words::{FilmWords, left_words};
 use super::film::{
     Existing, FilmFrames, FilmKey, FilmPage, FilmPainter, FrameFolder, FrameRange, FrameRecord,
     KeptFrames, PageHead, PictureSettings, checksum,
@@ -196,10 +196,15 @@ pub fn export(
         tracing::info!("{kept} frames are already rendered and kept");
     }
     progress.begin("frames", count.map(|_| lacking));
+    let left = left_words(
+        request.frames.is_some(),
+        request.video.is_some(),
+        is_lockstep,
+    );
     let mut missing_tiles = MissingTiles::default();
     if is_lockstep {
         let (written, done) = with_camera_service(flight, request.adapter, || {
-            export_lockstep(flight, sinks, frames.painter(), count, progress)
+            export_lockstep(flight, sinks, frames.painter(), (count, left), progress)
         })?;
         say_written(&written, done, begun, progress);
         return Ok(());
@@ -215,6 +220,7 @@ pub fn export(
                 return Err(PlayError::Interrupted {
                     done,
                     wanted: Some(lacking),
+                    left,
                 });
             }
             let is_drawn = wanted.contains(&index) && !kept_frames.contains(&index);
@@ -261,12 +267,12 @@ fn frames_wanted(flight: &Flight) -> Option<u64> {
 }
 
 /// One frame for each image that a simulator requests: until the scene's number of frames, until it is silent for the scene's timeout, or until its
-/// stream ends. Returns the written files and the number of frames.
+/// stream ends. `left` are the words about what an interruption leaves. Returns the written files and the number of frames.
 fn export_lockstep(
     flight: &Flight,
     sinks: Vec<Box<dyn FrameSink>>,
     painter: &mut FilmPainter,
-    wanted: Option<u64>,
+    (wanted, left): (Option<u64>, &'static str),
     progress: &dyn Progress,
 ) -> Result<(Vec<Written>, u64), PlayError> {
     let aspect = painter.aspect();
@@ -277,7 +283,7 @@ fn export_lockstep(
         while wanted.is_none_or(|wanted| done < wanted) {
             let awaited = flight.await_moment(aspect, &|| progress.cancelled());
             if progress.cancelled() {
-                return Err(PlayError::Interrupted { done, wanted });
+                return Err(PlayError::Interrupted { done, wanted, left });
             }
             let (moment, asked) = match awaited {
                 Ok((moment, Some(asked))) => (moment, asked),

@@ -62,6 +62,19 @@ impl FilmWords<'_> {
     }
 }
 
+/// What an interrupted film leaves, and how to go on with it. A film that a simulator requests cannot be resumed.
+pub(super) fn left_words(has_frames: bool, has_video: bool, is_lockstep: bool) -> &'static str {
+    match (has_frames, has_video, is_lockstep) {
+        (true, false, false) => "finished frames are kept, and --resume continues with them",
+        (true, false, true) => "finished frames are kept",
+        (true, true, false) => {
+            "finished frames are kept, and --resume without --video continues with them; the unfinished video is removed"
+        }
+        (true, true, true) => "finished frames are kept; the unfinished video is removed",
+        (false, ..) => "the unfinished video is removed; a film of --frames can be resumed",
+    }
+}
+
 fn format_name(format: PictureFormat) -> &'static str {
     match format {
         PictureFormat::Png => "PNG",
@@ -69,5 +82,30 @@ fn format_name(format: PictureFormat) -> &'static str {
         PictureFormat::Exr => "EXR",
         PictureFormat::Pq => "PNG of 16 bits, BT.2020 and PQ",
         PictureFormat::Hlg => "PNG of 16 bits, BT.2020 and HLG",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_frames_can_be_resumed() {
+        let frames = left_words(true, false, false);
+        assert_eq!(
+            frames,
+            "finished frames are kept, and --resume continues with them"
+        );
+        let both = left_words(true, true, false);
+        assert!(both.contains("--resume without --video"), "{both}");
+        let video = left_words(false, true, false);
+        assert!(
+            !video.contains("kept") && !video.contains("--resume"),
+            "{video}"
+        );
+        for has_video in [false, true] {
+            let words = left_words(true, has_video, true);
+            assert!(!words.contains("--resume"), "{words}");
+        }
     }
 }

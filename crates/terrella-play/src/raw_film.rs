@@ -2,6 +2,7 @@
 
 use super::clock::frame_epoch;
 use super::error::PlayError;
+use super::export_words::left_words;
 use super::film::{
     Existing, FilmKey, FilmPage, FrameFolder, FrameRange, FrameRecord, KeptFrames, PageHead,
     PictureSettings, checksum,
@@ -150,7 +151,8 @@ pub fn write_raw_film(
     for (done, index) in (0..).zip(lacking) {
         if progress.cancelled() {
             let wanted = Some(count);
-            return Err(PlayError::Interrupted { done, wanted });
+            let left = left_words(true, false, false);
+            return Err(PlayError::Interrupted { done, wanted, left });
         }
         let moment = times.at(index)?;
         let seen = SensorView {
