@@ -130,11 +130,7 @@ fn what_cannot_be_written_is_told_before_drawing() {
     // The requested adapter does not exist: an error about the file shows that it was checked first.
     let adapter = ["--adapter", "no such adapter"];
     for (arguments, must_say) in [
-        (
-            &["frame", "small.toml", "-o", "missing/a.png"][..],
-            "missing",
-        ),
-        (&["frame", "small.toml", "-o", "a_file/a.png"], "a_file"),
+        (&["frame", "small.toml", "-o", "a_file/a.png"][..], "a_file"),
         (&["frame", "small.toml", "-o", "."], "folder"),
         (&["frame", "small.toml", "-o", "a.jpg"], "a.png"),
         (
@@ -144,14 +140,11 @@ fn what_cannot_be_written_is_told_before_drawing() {
                 "-o",
                 "a.png",
                 "--stats",
-                "missing/a.json",
+                "a_file/a.json",
             ],
-            "missing",
+            "a_file",
         ),
-        (
-            &["play", "small.toml", "--video", "missing/a.mp4"],
-            "missing",
-        ),
+        (&["play", "small.toml", "--video", "a_file/a.mp4"], "a_file"),
         (&["play", "small.toml", "--video", "a.avi"], "a.mp4"),
         (&["play", "small.toml", "--frames", "a_file"], "a_file"),
         (&["play", "small.toml", "--frames", "."], "--overwrite"),
@@ -186,6 +179,15 @@ fn an_adapter_that_is_not_there_leaves_no_half_file() {
             "--encoder",
             "builtin",
         ],
+        &[
+            "frame",
+            "small.toml",
+            "-o",
+            "new/deep/a.png",
+            "--stats",
+            "new/a.json",
+        ],
+        &["play", "small.toml", "--video", "new/deep/a.mp4"],
     ] {
         let words = place.fail(1, &[arguments, &adapter].concat());
         assert!(words.contains("adapter"), "{words}");

@@ -318,7 +318,7 @@ fn what_cannot_be_written_or_read_is_told_before_measuring() {
     // The requested adapter does not exist: another error shows that the file was checked first.
     let adapter = ["--adapter", "no such adapter"];
     for (arguments, must_say) in [
-        (["--json", "missing/a.json"], "missing"),
+        (["--json", "missing/a.json"], "no such adapter"),
         (["--json", "a.csv"], "a.json"),
         (["--csv", "a_file/a.csv"], "a_file"),
         (["--csv", "."], "folder"),

@@ -28,7 +28,10 @@ fn a_new_scene_explains_every_key_and_is_never_overwritten() {
     let kept = std::fs::read_to_string(place.path("mission.toml")).expect("kept");
     assert_eq!(kept, "mine");
     for (name, expected) in [
-        ("none/a.toml", "none/a.toml: its folder does not exist"),
+        (
+            "mission.toml/a.toml",
+            "mission.toml/a.toml: its folder cannot be created",
+        ),
         ("a.json", "a.json: scenes are TOML"),
         ("..", "..: it is a folder"),
     ] {
@@ -37,6 +40,8 @@ fn a_new_scene_explains_every_key_and_is_never_overwritten() {
     }
     assert_eq!(names(place.folder.path()), ["mission.toml", "small.toml"]);
     place.succeed(&["--quiet", "new", "second.toml"]);
+    place.succeed(&["new", "none/deep/a"]);
+    assert_eq!(names(&place.path("none/deep")), ["a.toml"]);
 }
 
 /// A setting that is wrong is rejected before anything is measured, by its own name.

@@ -262,9 +262,9 @@ fn files_that_cannot_be_written_are_found_before_the_run() {
     // The scene is not even read: it is not there.
     for option in ["--oem", "--omm"] {
         let extension = option.trim_start_matches('-');
-        let file = format!("missing/iss.{extension}");
+        let file = format!("iss.toml/iss.{extension}");
         let rejection = place.fail(1, &["orbit", "nowhere.toml", option, &file]);
-        assert!(rejection.contains("create it first"), "{rejection}");
+        assert!(rejection.contains("a file of that name"), "{rejection}");
     }
     let rejection = place.fail(1, &["orbit", "iss.toml", "--oem", "iss.csv"]);
     assert!(rejection.contains("iss.oem"), "{rejection}");

@@ -170,10 +170,20 @@ fn light_is_rejected_where_it_cannot_be_written() {
         let words = frame(name, 1, &[]);
         assert!(words.contains(".npy") && words.contains(".exr"), "{words}");
     }
-    assert!(frame("none/a.npy", 1, &[]).contains("no folder"));
+    assert!(frame("small.toml/a.npy", 1, &[]).contains("a file of that name"));
     let words = frame("a.npy", 2, &["--renderer", "reference"]);
     assert!(words.contains("--radiance"), "{words}");
     assert_eq!(place.names(), ["small.toml"]);
+}
+
+#[test]
+fn missing_folders_of_files_are_made() {
+    let place = Place::new();
+    place.succeed(&["frame", "small.toml", "-o", "new/deep/a.png"]);
+    assert_eq!(names(&place.path("new/deep")), ["a.png"]);
+    let video = ["play", "small.toml", "--video", "films/a.mp4"];
+    place.succeed(&[&video[..], &["--encoder", "builtin"]].concat());
+    assert_eq!(names(&place.path("films")), ["a.mp4"]);
 }
 
 #[test]

@@ -70,19 +70,17 @@ fn text(path: &Path) -> anyhow::Result<String> {
     Ok(lines.collect())
 }
 
-/// Creates the file; fails if it exists.
+/// Creates the file, and its folder where that is missing; fails if the file exists.
 fn create(path: &Path) -> anyhow::Result<File> {
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("{}: its folder cannot be created", path.display()))?;
+    }
     let made = OpenOptions::new().write(true).create_new(true).open(path);
     made.map_err(|error| match error.kind() {
         ErrorKind::AlreadyExists => {
             anyhow::anyhow!(
                 "{}: it exists already; give another name, or remove it",
-                path.display()
-            )
-        }
-        ErrorKind::NotFound => {
-            anyhow::anyhow!(
-                "{}: its folder does not exist; create it first",
                 path.display()
             )
         }

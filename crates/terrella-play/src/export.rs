@@ -92,7 +92,7 @@ pub fn export(
     if request.video.is_some() {
         check_size(size)?;
     }
-    // The video's file first: it makes no folder where it is rejected.
+    // The video's file first: it leaves no folder where it is rejected.
     if let Some(path) = request.video {
         let file = PendingFile::create(path, "videos", "mp4")?;
         let format = VideoFormat {

@@ -38,9 +38,6 @@ pub enum OutputError {
         path.display(), path.with_extension("png").display()
     )]
     RawName { path: PathBuf },
-    /// The folder is not there.
-    #[error("{}: cannot be written: there is no folder {}; create it first", path.display(), folder.display())]
-    NoFolder { path: PathBuf, folder: PathBuf },
     /// The path is taken by something that is not a file.
     #[error("{}: cannot be written: {found} of that name already exists; choose another name", path.display())]
     InTheWay {
@@ -118,10 +115,38 @@ pub struct PendingFile {
     temporary: TempPath,
     target: PathBuf,
     _unfinished: Unfinished,
+    // After the file: fields are dropped in their order.
+    folders: NewFolders,
+}
+
+/// Folders that were made for a file, outermost first. They vanish with it as long as nothing else is in them.
+#[derive(Debug)]
+struct NewFolders(Vec<PathBuf>);
+
+impl NewFolders {
+    /// Makes a folder and those above it, where they are not there.
+    fn make(folder: &Path) -> Result<Self, OutputError> {
+        let is_missing = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
+        let missing = folder.ancestors().take_while(is_missing);
+        let mut missing: Vec<_> = missing.map(Path::to_owned).collect();
+        missing.reverse();
+        let made = Self(missing);
+        make_folder(folder)?;
+        Ok(made)
+    }
+}
+
+impl Drop for NewFolders {
+    fn drop(&mut self) {
+        for folder in self.0.iter().rev() {
+            // One that is in use stays.
+            let _ = std::fs::remove_dir(folder);
+        }
+    }
 }
 
 impl PendingFile {
-    /// Makes the temporary file. `what` are the things that are written with `extension`, for the message.
+    /// Makes the temporary file, and its folder where that is missing. `what` are the things that are written with `extension`, for the message.
     pub fn create(
         target: &Path,
         what: &'static str,
@@ -170,12 +195,7 @@ impl PendingFile {
             Some(parent) if !parent.as_os_str().is_empty() => parent,
             _ => Path::new("."),
         };
-        if !folder.is_dir() {
-            return Err(OutputError::NoFolder {
-                path: target.into(),
-                folder: folder.into(),
-            });
-        }
+        let folders = NewFolders::make(folder)?;
         let mut builder = tempfile::Builder::new();
         builder.prefix(prefix).suffix(".part");
         // Created by hand to get the permissions of an ordinary new file: those of the crate are for secrets.
@@ -188,6 +208,7 @@ impl PendingFile {
             temporary,
             target: target.into(),
             _unfinished: unfinished,
+            folders,
         })
     }
 
@@ -233,12 +254,14 @@ impl PendingFile {
             temporary,
             target,
             _unfinished,
+            mut folders,
         } = self;
         let failed = |source| OutputError::write(&target, source);
         durable::sync_file(&temporary).map_err(failed)?;
         temporary
             .persist(&target)
             .map_err(|error| failed(error.error))?;
+        folders.0.clear();
         durable::sync_folder_of(&target).map_err(failed)
     }
 
@@ -366,7 +389,6 @@ mod tests {
                 .expect_err("rejected")
                 .to_string()
         };
-        assert!(rejection(at("missing/a.png")).contains("create it first"));
         let jpg = rejection(at("a.jpg"));
         assert!(jpg.contains(".png") && jpg.contains("a.png"), "{jpg}");
         let exr = rejection(at("a.EXR"));
@@ -381,12 +403,38 @@ mod tests {
         std::fs::create_dir(at("b.png")).expect("makes");
         assert!(rejection(at("b.png")).contains("a folder"));
         std::fs::write(at("file"), b"").expect("writes");
-        assert!(rejection(at("file/c.png")).contains("no folder"));
+        assert!(rejection(at("file/c.png")).contains("a file of that name"));
         std::fs::write(at("d.png"), b"").expect("writes");
         let mut rights = std::fs::metadata(at("d.png")).expect("there").permissions();
         rights.set_readonly(true);
         std::fs::set_permissions(at("d.png"), rights).expect("sets");
         assert!(rejection(at("d.png")).contains("write-protected"));
         assert_eq!(names(folder.path()), ["b.png", "d.png", "file"]);
+    }
+
+    #[test]
+    fn missing_folders_are_made_and_stay_only_with_a_file() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let target = folder.path().join("new/deep/a.png");
+        let pending = PendingFile::create(&target, "images", "png").expect("writable");
+        assert!(folder.path().join("new/deep").is_dir());
+        drop(pending);
+        assert!(
+            names(folder.path()).is_empty(),
+            "{:?}",
+            names(folder.path())
+        );
+
+        let pending = PendingFile::create(&target, "images", "png").expect("writable");
+        let other = target.with_file_name("b.png");
+        let other = PendingFile::create(&other, "images", "png").expect("writable");
+        drop(other);
+        pending.write_whole(b"new").expect("commits");
+        assert_eq!(std::fs::read(&target).expect("reads"), b"new");
+        assert_eq!(names(&folder.path().join("new/deep")), ["a.png"]);
+
+        let wrong = folder.path().join("other/a.jpg");
+        PendingFile::create(&wrong, "images", "png").expect_err("rejected");
+        assert_eq!(names(folder.path()), ["new"]);
     }
 }
