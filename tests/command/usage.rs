@@ -327,6 +327,31 @@ fn options_without_meaning_are_answered_with_the_usage_of_their_command() {
 }
 
 #[test]
+fn times_are_read_as_people_write_them() {
+    let place = Place::new();
+    place.scene("iss.toml", "");
+    let state = |at: &str| place.succeed(&["orbit", "iss.toml", "--at", at]).stdout;
+    let wanted = state("2018-01-16T12:30:00Z");
+    for at in [
+        "2018-01-16 12:30",
+        "2018-01-16T12:30",
+        "2018-01-16 12:30:00Z",
+    ] {
+        assert_eq!(state(at), wanted, "{at}");
+    }
+    assert_eq!(state("2018-01-16"), state("2018-01-16T00:00:00Z"));
+    let said = place.fail(2, &["orbit", "iss.toml", "--at", "16/01/2018"]);
+    assert!(said.contains("is not a UTC date"), "{said}");
+    for command in ["play", "frame"] {
+        let help = place.succeed(&[command, "--help"]).stdout;
+        assert!(
+            String::from_utf8_lossy(&help).contains("<TIME>"),
+            "{command}"
+        );
+    }
+}
+
+#[test]
 fn check_says_what_is_used_and_how_long_the_elements_hold() {
     let place = Place::new();
     place.scene("iss.toml", "");

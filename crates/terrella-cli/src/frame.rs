@@ -28,8 +28,8 @@ pub struct FrameArgs {
     /// Image to write; with --format exr, OUT.exr
     #[arg(short, long, value_name = "OUT.png")]
     output: PathBuf,
-    /// Time, for example 2018-01-15T12:30:00Z, or now [default: the scene's start]
-    #[arg(long, value_name = "RFC3339", value_parser = values::instant)]
+    /// Time in UTC, for example 2018-01-15T12:30:00Z, "2018-01-15 12:30" or 2018-01-15, or now [default: the scene's start]
+    #[arg(long, value_name = "TIME", value_parser = values::instant)]
     at: Option<Epoch>,
     /// Width and height in pixels [default: the scene's]
     #[arg(long, value_name = "WxH", value_parser = values::size)]

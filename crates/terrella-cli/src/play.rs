@@ -28,8 +28,8 @@ pub struct PlayArgs {
     scene: SceneArgs,
     #[command(flatten)]
     satellites: SatelliteArgs,
-    /// Start time, for example 2026-11-25T05:00:00Z, or now [default: the scene's]
-    #[arg(long, value_name = "UTC", value_parser = values::instant)]
+    /// Start time in UTC, for example 2026-11-25T05:00:00Z, "2026-11-25 05:00" or 2026-11-25, or now [default: the scene's]
+    #[arg(long, value_name = "TIME", value_parser = values::instant)]
     start: Option<Epoch>,
     /// Length of the film or playback in seconds of simulated time [default: the scene's]
     #[arg(long, value_name = "SECONDS", value_parser = values::simulated_seconds, conflicts_with = "listen")]

@@ -2,7 +2,7 @@
 
 #[cfg(feature = "measure")]
 use terrella::SurfaceKind;
-use terrella::frames::{Epoch, Geodetic, utc_from_rfc3339, utc_now};
+use terrella::frames::{Epoch, Geodetic, utc_from_text, utc_now};
 use terrella_play::scene::{Camera, Output};
 use terrella_play::{FrameRange, PictureSettings};
 
@@ -66,11 +66,11 @@ pub fn surface(text: &str) -> Result<SurfaceKind, String> {
     })
 }
 
-/// An RFC 3339 instant, or `now`.
+/// A UTC instant, or `now`.
 pub fn instant(text: &str) -> Result<Epoch, String> {
     let read = match text {
         "now" => utc_now(),
-        text => utc_from_rfc3339(text),
+        text => utc_from_text(text),
     };
     read.map_err(|error| error.to_string())
 }
@@ -339,6 +339,12 @@ mod tests {
     fn instants_and_seconds() {
         assert!(instant("2018-01-15T12:00:00Z").is_ok());
         assert!(instant("yesterday").is_err() && instant("NOW").is_err());
+        for (text, same) in [
+            ("2026-11-26 12:30", "2026-11-26T12:30:00Z"),
+            ("2018-01-01", "2018-01-01T00:00:00Z"),
+        ] {
+            assert_eq!(instant(text), instant(same), "{text}");
+        }
         let years =
             instant("now").expect("a clock") - instant("2018-01-15T12:00:00Z").expect("UTC");
         assert!(years.to_seconds() > 5.0 * 365.25 * 86_400.0);

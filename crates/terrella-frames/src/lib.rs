@@ -36,5 +36,5 @@ pub use rotation::{
     itrf_from_teme_with_ut1, pef_from_teme,
 };
 pub use sun::{SUN_RADIUS_RAD, subsolar_point, sun_direction_itrf, sun_direction_itrf_oriented};
-pub use time::{TimeError, rfc3339, rfc3339_with_offset, utc_from_rfc3339, utc_now};
+pub use time::{TimeError, rfc3339, rfc3339_with_offset, utc_from_rfc3339, utc_from_text, utc_now};
 pub use time::{tai_from_utc_day, utc_day};

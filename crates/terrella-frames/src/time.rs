@@ -22,6 +22,10 @@ const MJD_2100: i64 = 88_069;
 /// Longest date text looked at: all fields, nine decimals and an offset take 35 characters.
 const LONGEST_DATE: usize = 64;
 
+/// Characters of a date, and of a time of day without seconds.
+const DATE_LEN: usize = "2018-01-15".len();
+const MINUTES_LEN: usize = "12:30".len();
+
 /// Days, as modified Julian dates, from whose beginning TAI − UTC has a new value, in seconds (IERS Bulletin C).
 const TAI_MINUS_UTC: [(i64, i64); 28] = [
     (41_317, 10),
@@ -120,6 +124,54 @@ pub fn utc_from_rfc3339(text: &str) -> Result<Epoch, TimeError> {
         return Err(TimeError::NoLeapSecond { text: quoted(text) });
     }
     Ok(tai_from_utc_day(reading.mjd, reading.ns_of_day()))
+}
+
+/// Reads a date as people write it: as [`utc_from_rfc3339`] does, and also `2018-01-15 12:30`, `2018-01-15T12:30:00` and `2018-01-15`.
+///
+/// A blank may stand for `T`, seconds may be left out, and without a zone the time is UTC. A date alone is its midnight. Year, month and day are
+/// written in full and in this order.
+///
+/// # Errors
+/// Says what is wrong with the text and how to write it.
+pub fn utc_from_text(text: &str) -> Result<Epoch, TimeError> {
+    let form = || TimeError::Form { text: quoted(text) };
+    if text.len() > LONGEST_DATE {
+        return Err(form());
+    }
+    let (date, rest) = text.split_at_checked(DATE_LEN).ok_or_else(form)?;
+    let whole = match rest.strip_prefix(['T', 't', ' ']) {
+        None if rest.is_empty() || rest.eq_ignore_ascii_case("z") => format!("{date}T00:00:00Z"),
+        None => return Err(form()),
+        Some(time) => {
+            let at = time.find(['Z', 'z', '+', '-']).unwrap_or(time.len());
+            let (clock, zone) = time.split_at_checked(at).ok_or_else(form)?;
+            let seconds = if clock.len() == MINUTES_LEN {
+                ":00"
+            } else {
+                ""
+            };
+            let zone = if zone.is_empty() { "Z" } else { zone };
+            format!("{date}T{clock}{seconds}{zone}")
+        }
+    };
+    utc_from_rfc3339(&whole).map_err(|error| match error {
+        TimeError::Form { .. } => form(),
+        TimeError::NoLeapSecond { .. } => TimeError::NoLeapSecond { text: quoted(text) },
+        TimeError::Field {
+            field,
+            value,
+            least,
+            most,
+            ..
+        } => TimeError::Field {
+            text: quoted(text),
+            field,
+            value,
+            least,
+            most,
+        },
+        other => other,
+    })
 }
 
 /// The system clock in whole seconds of UTC, so that the time can be written down and used again.

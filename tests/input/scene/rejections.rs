@@ -169,8 +169,8 @@ const BAD: &[Bad] = &[
     // Dates.
     ("[time]\nstart = \"yesterday\"", 2, &["[time] start = \"yesterday\":", "2018-01-15T12:00:00Z"]),
     ("[time]\nstart = \"2018-02-30T12:00:00Z\"", 2, &["[time] start = \"2018-02-30T12:00:00Z\":", "is not a UTC date"]),
-    ("[time]\nstart = 2018-01-15", 2, &["[time] start = 2018-01-15:", "a time of day", "2018-01-15T12:00:00Z"]),
-    ("[time]\nstart = 2018-01-15T12:00:00", 2, &["[time] start = 2018-01-15T12:00:00:", "the zone Z"]),
+    ("[time]\nstart = 12:30:00", 2, &["[time] start = 12:30:00:", "must have a date", "2018-01-15T12:00:00Z"]),
+    ("[time]\nstart = \"15.01.2018 12:30\"", 2, &["[time] start = \"15.01.2018 12:30\":", "is not a UTC date"]),
     ("[time]\nstart = \"1066-10-14T09:00:00Z\"", 2, &["[time] start = \"1066-10-14T09:00:00Z\":", "1900 to 2099"]),
     ("[time]\nstart = \"2099-06-01T00:00:00Z\"\nduration_s = 1e9\nspeed = 1e6", 3, &["[time] duration_s = 1e9:", "1900 to 2099"]),
     ("[time]\nstart = 2099-12-31T23:00:00Z", 2, &["[time] start = 2099-12-31T23:00:00Z:", "reach the year 2100"]),

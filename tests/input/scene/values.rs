@@ -378,10 +378,18 @@ fn a_start_may_be_a_string_or_a_date_of_toml() {
         "2018-01-19T07:32Z",
         "\"2018-01-19T09:32:00+02:00\"",
         "2018-01-19T09:32:00+02:00",
+        "\"2018-01-19 07:32\"",
+        "\"2018-01-19T07:32Z\"",
+        "2018-01-19T07:32:00",
+        "2018-01-19 07:32",
     ] {
         let scene = scene(&format!("[time]\nstart = {written}"));
         let start = scene.time.start;
         assert_eq!(start, utc("2018-01-19T07:32:00Z"), "{written}");
+    }
+    for midnight in ["\"2018-01-19\"", "2018-01-19"] {
+        let scene = scene(&format!("[time]\nstart = {midnight}"));
+        assert_eq!(scene.time.start, utc("2018-01-19T00:00:00Z"), "{midnight}");
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::utc;
 use proptest::prelude::*;
-use terrella::frames::{Duration, Epoch, TimeError, rfc3339, utc_from_rfc3339};
+use terrella::frames::{Duration, Epoch, TimeError, rfc3339, utc_from_rfc3339, utc_from_text};
 
 #[test]
 fn dates_are_read_and_written() {
@@ -83,6 +83,63 @@ fn bad_dates_are_rejected_with_the_reason() {
 }
 
 #[test]
+fn dates_are_read_as_people_write_them() {
+    for (text, rfc3339) in [
+        ("2018-01-15", "2018-01-15T00:00:00Z"),
+        ("2018-01-15Z", "2018-01-15T00:00:00Z"),
+        ("2018-01-15 12:30", "2018-01-15T12:30:00Z"),
+        ("2018-01-15 12:30Z", "2018-01-15T12:30:00Z"),
+        ("2018-01-15T12:30", "2018-01-15T12:30:00Z"),
+        ("2018-01-15T12:30Z", "2018-01-15T12:30:00Z"),
+        ("2018-01-15 12:30:15", "2018-01-15T12:30:15Z"),
+        ("2018-01-15t12:30:15.25z", "2018-01-15T12:30:15.25Z"),
+        ("2018-01-15 12:30+01:30", "2018-01-15T11:00:00Z"),
+        ("2018-01-15T12:30:00-01:30", "2018-01-15T14:00:00Z"),
+        ("2016-12-31 23:59:60", "2016-12-31T23:59:60Z"),
+    ] {
+        assert_eq!(utc_from_text(text), Ok(utc(rfc3339)), "{text}");
+    }
+    for text in [
+        "",
+        "now",
+        "2018",
+        "2018-01",
+        "2018-1-5",
+        "15-01-2018",
+        "01/02/2018",
+        "2018/01/15",
+        "20180115",
+        "2018-01-15 ",
+        " 2018-01-15",
+        "2018-01-15 12",
+        "2018-01-15 1:30",
+        "2018-01-15  12:30",
+        "2018-01-15 12:30 Z",
+        "2018-01-15 12:30 CET",
+        "2018-01-15 12:30 pm",
+        "2018-01-15-12:30",
+        "2018-01-15+01:00",
+        "12:30",
+        "2018-01-15 12:3٣",
+        "2018-01-1٣",
+    ] {
+        let error = utc_from_text(text).expect_err(text);
+        assert!(matches!(error, TimeError::Form { .. }), "{text}: {error}");
+        assert!(error.to_string().contains(text), "{text}: {error}");
+    }
+    for (text, part) in [
+        ("2018-02-30", "day 30 is not from 1 to 28"),
+        ("2018-01-15 24:00", "hour 24 is not from 0 to 23"),
+        ("2018-01-15 23:59:60", "there was no leap second then"),
+    ] {
+        let error = utc_from_text(text).expect_err(text).to_string();
+        assert!(error.contains(part) && error.contains(text), "{error}");
+    }
+    let long = utc_from_text(&"9".repeat(1_000_000)).unwrap_err();
+    assert!(matches!(long, TimeError::Form { .. }) && long.to_string().len() < 200);
+}
+
+#[test]
 fn seconds_run_on_through_a_leap_second() {
     let before = utc("2016-12-31T23:59:59Z");
     let texts: Vec<_> = (0..4)
@@ -109,6 +166,7 @@ proptest! {
     #[test]
     fn no_text_makes_the_date_reader_panic(text in ".{0,40}") {
         let _ = utc_from_rfc3339(&text);
+        let _ = utc_from_text(&text);
     }
 
     #[test]
@@ -117,6 +175,7 @@ proptest! {
         text[at] = byte;
         if let Ok(text) = std::str::from_utf8(&text) {
             let _ = utc_from_rfc3339(text);
+            let _ = utc_from_text(text);
         }
     }
 

@@ -7,7 +7,7 @@ use super::record::KeyText;
 use super::text::SceneText;
 use super::time::utc;
 use glam::DVec3;
-use terrella::frames::{Duration, Epoch, utc_from_rfc3339};
+use terrella::frames::{Duration, Epoch, utc_from_text};
 use terrella_orbit::numerical::{EventSelection, Thrust, ThrustAxes};
 use toml::{Spanned, Value};
 
@@ -126,7 +126,7 @@ fn start(value: &Value) -> Result<Epoch, String> {
         Value::Datetime(when) => when.to_string(),
         _ => String::new(),
     };
-    utc_from_rfc3339(&text).map_err(|error| format!("start: {error}"))
+    utc_from_text(&text).map_err(|error| format!("start: {error}"))
 }
 
 fn number(value: &Value) -> Option<f64> {

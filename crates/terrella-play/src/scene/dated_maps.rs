@@ -7,7 +7,7 @@ use super::record::KeyText;
 use super::text::SceneText;
 use super::time::utc;
 use std::path::{Path, PathBuf};
-use terrella::frames::{Epoch, utc_from_rfc3339};
+use terrella::frames::{Epoch, utc_from_text};
 use toml::{Spanned, Value};
 
 /// Map layers that may change with the date.
@@ -317,7 +317,7 @@ fn dated(entry: &Value, folder: &Path) -> Result<(Epoch, PathBuf), String> {
         Value::Datetime(when) => when.to_string(),
         _ => String::new(),
     };
-    let date = utc_from_rfc3339(&date).map_err(|error| format!("date: {error}"))?;
+    let date = utc_from_text(&date).map_err(|error| format!("date: {error}"))?;
     let name = needed("file")?;
     let name = name
         .as_str()
@@ -356,7 +356,7 @@ mod tests {
     use super::*;
 
     fn date(text: &str) -> Epoch {
-        utc_from_rfc3339(text).expect("a date")
+        utc_from_text(text).expect("a date")
     }
 
     fn maps(times: MapTimes, fades: bool) -> DatedMaps {

@@ -7,7 +7,7 @@ use super::record::quoted;
 use super::text::SceneText;
 use hifitime::Unit;
 use std::path::PathBuf;
-use terrella::frames::{Duration, Epoch, rfc3339, utc_from_rfc3339, utc_now};
+use terrella::frames::{Duration, Epoch, rfc3339, utc_from_text, utc_now};
 use toml::Spanned;
 
 /// `[time]`: the start of the flight and its playback.
@@ -127,7 +127,7 @@ impl SceneText<'_> {
     pub(super) fn time(&self, time: &RawTime) -> Result<Time, SceneError> {
         let start_field = time.start();
         let default_start =
-            utc_from_rfc3339(DEFAULT_START).map_err(|error| self.reject(&start_field, error))?;
+            utc_from_text(DEFAULT_START).map_err(|error| self.reject(&start_field, error))?;
         let (start, start_from) = match start_field.given.map(Spanned::get_ref) {
             None => (default_start, StartSource::Default),
             Some(value) if is_now(value) => (
@@ -205,25 +205,19 @@ impl SceneText<'_> {
             None => return Ok(default),
             Some(toml::Value::String(text)) => text.clone(),
             Some(toml::Value::Datetime(when)) => {
-                let mut when = *when;
-                if when.date.is_none() || when.time.is_none() || when.offset.is_none() {
-                    let advice =
-                        format!("must have a date, a time of day and the zone Z; {ADVICE}");
-                    return Err(self.reject(field, advice));
-                }
-                // TOML permits times without seconds, RFC 3339 does not.
-                if let Some(time) = &mut when.time {
-                    time.second.get_or_insert(0);
+                if when.date.is_none() {
+                    return Err(self.reject(field, format!("must have a date; {ADVICE}")));
                 }
                 when.to_string()
             }
             Some(_) => {
-                return Err(
-                    self.reject(field, format!("must be a date and a time of day; {ADVICE}"))
-                );
+                return Err(self.reject(
+                    field,
+                    format!("must be a date, with or without a time of day; {ADVICE}"),
+                ));
             }
         };
-        utc_from_rfc3339(&text).map_err(|error| self.reject(field, error))
+        utc_from_text(&text).map_err(|error| self.reject(field, error))
     }
 }
 
