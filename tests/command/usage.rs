@@ -1,6 +1,6 @@
 //! Help, options, and the commands that draw nothing.
 
-use crate::{Place, words};
+use crate::{Place, SMALL, words};
 
 #[test]
 fn every_command_has_help() {
@@ -324,6 +324,27 @@ fn options_without_meaning_are_answered_with_the_usage_of_their_command() {
     }
     let said = place.fail(1, &["frame", "small.toml", "-o", "a.exr"]);
     assert!(said.contains("or give --format exr"), "{said}");
+}
+
+#[test]
+fn keyframes_after_the_end_of_the_film_are_noted() {
+    let place = Place::new();
+    let keys = |last: f64| {
+        let key = |time_s| format!("[[camera.keys]]\ntime_s = {time_s}\nfov_deg = 40\n");
+        format!("{SMALL}{}{}", key(0.0), key(last))
+    };
+    let late = "[camera.keys] keyframe 2, time_s = 4.5: after the end of the film, duration_s = 4";
+    for (name, last, is_late) in [("good.toml", 4.0, false), ("late.toml", 4.5, true)] {
+        place.scene(name, &keys(last));
+        let output = place.succeed(&["check", name]);
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert_eq!(text.contains(late), is_late, "{text}");
+        let film = ["play", name, "--frames", &name.replace(".toml", "")];
+        let said = words(&place.succeed(&film));
+        assert_eq!(said.contains(late), is_late, "{said}");
+    }
+    let said = words(&place.succeed(&["check", "late.toml", "--set", "time.duration_s=5"]));
+    assert!(!said.contains("keyframe"), "{said}");
 }
 
 #[test]

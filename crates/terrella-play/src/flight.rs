@@ -139,6 +139,7 @@ impl Flight {
             let (start, end) = (scene.time.start, scene.time.end());
             models.check_span(start.min(end), start.max(end))?;
         }
+        scene.note_late_keyframes();
         for notice in &scene.notices {
             tracing::warn!("{}: {notice}", scene.path.display());
         }

@@ -112,6 +112,27 @@ impl Scene {
         }
     }
 
+    /// Adds a notice about keyframes of the camera after the end of the film.
+    pub fn note_late_keyframes(&mut self) {
+        let length_s = self.time.duration_s;
+        let direction = 1.0_f64.copysign(self.time.speed);
+        let keys = self.camera.keys.iter().zip(1..);
+        let late = keys.filter(|(key, _)| key.time_s * direction > length_s);
+        let late: Vec<(f64, u32)> = late.map(|(key, number)| (key.time_s, number)).collect();
+        let Some((time_s, number)) = late.first() else {
+            return;
+        };
+        let more = match late.len() {
+            1 => String::new(),
+            count => format!(" (and {} more)", count - 1),
+        };
+        self.notices.push(format!(
+            "[camera.keys] keyframe {number}, time_s = {}{more}: after the end of the film, duration_s = {}; set an earlier time_s, or a longer duration_s in [time]",
+            number_text(*time_s),
+            number_text(length_s)
+        ));
+    }
+
     /// Starts a scene without a given start at a satellite's own time; `from` describes that time. Motions without an epoch
     /// start with it. A scene with a given start is unchanged.
     ///
