@@ -141,6 +141,7 @@ pub fn export(
         false => Some(LightOutlook::of(flight, wanted.clone())?),
     };
     let words = FilmWords {
+        scene,
         video: request.video.zip(encoder.as_deref()),
         pictures: request
             .frames

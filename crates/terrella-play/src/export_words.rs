@@ -3,10 +3,13 @@
 use super::film::PictureFormat;
 use super::outlook::LightOutlook;
 use super::written::counted;
+use crate::scene::Scene;
 use std::path::Path;
 
 /// A film that is about to be made.
 pub(super) struct FilmWords<'w> {
+    /// What is filmed.
+    pub scene: &'w Scene,
     /// The video file, and its encoder.
     pub video: Option<(&'w Path, &'w str)>,
     /// The folder of pictures, and their format.
@@ -56,7 +59,8 @@ impl FilmWords<'_> {
                     .into_iter()
                     .map(|line| format!("light: {line}")),
             );
-            lines.extend(light.advice().map(|advice| format!("light: {advice}")));
+            let advice = light.advice(self.scene);
+            lines.extend(advice.map(|advice| format!("light: {advice}")));
         }
         lines
     }

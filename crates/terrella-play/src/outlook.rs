@@ -3,7 +3,7 @@
 use super::clock::frame_epoch;
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
-use crate::scene::StartSource;
+use crate::scene::{Scene, StartSource};
 use std::ops::Range;
 use terrella::frames::{Duration, Ellipsoid, Epoch, Illumination, rfc3339};
 
@@ -90,13 +90,19 @@ impl LightOutlook {
 }
 
 impl LightOutlook {
-    /// Advice for a film that is entirely at night; `None` for others.
-    pub fn advice(&self) -> Option<String> {
+    /// Advice for a film that is entirely at night; `None` for others, and for scenes that ask for the lights of cities.
+    pub fn advice(&self, scene: &Scene) -> Option<String> {
+        if scene.earth.night_lights && scene.line("earth", "night_lights").is_some() {
+            return None;
+        }
         let from = self
             .ground
             .light_from
             .filter(|_| self.ground.is_all_dark())?;
-        Some(format!("--start {} begins in daylight", whole_second(from)))
+        Some(format!(
+            "the film begins in the dark; --start {} begins in daylight",
+            whole_second(from)
+        ))
     }
 }
 
@@ -248,7 +254,6 @@ fn whole_second(epoch: Epoch) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Scene;
     use std::path::Path;
 
     fn flight(text: &str) -> Flight {
@@ -319,6 +324,26 @@ mod tests {
             polar.sentences(),
             ["the ground below is in night all the time, not in daylight within a day after it"]
         );
+    }
+
+    #[test]
+    fn daylight_is_advised_for_dark_films_that_do_not_ask_for_night() {
+        let advice = |hour: u32, more: &str| {
+            let flight = flight(&format!(
+                "[time]\nstart = \"2018-03-20T{hour:02}:00:00Z\"\nduration_s = 600\n[camera]\nmode = \"geodetic\"\nlat_deg = 0\nlon_deg = 0\n{more}"
+            ));
+            let light = LightOutlook::of(&flight, 0..flight.scene().time.frame_count());
+            light.expect("is known").advice(flight.scene())
+        };
+        let dark = advice(0, "").expect("advice");
+        assert!(
+            dark.starts_with("the film begins in the dark; --start 2018-03-20T06:")
+                && dark.ends_with(" begins in daylight"),
+            "{dark}"
+        );
+        assert_eq!(advice(0, "[earth]\nnight_lights = true"), None);
+        assert!(advice(0, "[earth]\nnight_lights = false").is_some());
+        assert_eq!(advice(12, ""), None);
     }
 
     #[test]
