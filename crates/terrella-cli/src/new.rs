@@ -14,7 +14,7 @@ const SHIPPED: &str = "config/iss.toml";
 /// Arguments of `terrella new`.
 #[derive(Debug, Args)]
 pub struct NewArgs {
-    /// Name of the scene, or path of its file; .toml is added where it is missing. A file that is there already is never overwritten
+    /// Name of the scene, or path of its file; .toml is added where it is missing. An existing file is never overwritten
     name: PathBuf,
 }
 

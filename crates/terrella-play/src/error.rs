@@ -447,7 +447,7 @@ pub enum VideoError {
     BuiltinCoding,
     /// High dynamic range in H.264.
     #[error(
-        "--format pq and hlg need 10 bits, and H.264 is played with 8; choose --codec h265 or av1, or write frames with --frames"
+        "--format pq and hlg need 10 bits, and most players decode only 8 bits of H.264; choose --codec h265 or av1, or write frames with --frames"
     )]
     HdrCodec,
     /// `ffmpeg` stopped.

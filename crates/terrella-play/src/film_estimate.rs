@@ -33,7 +33,7 @@ impl FilmEstimate {
         let rest_s = taken.as_secs_f64() * (left as f64 / frames as f64);
         (rest_s >= WORTH_SAYING.as_secs_f64()).then(|| {
             format!(
-                "time: about {} more, by the first {}",
+                "time: about {} left, estimated from the first {}",
                 rounded(rest_s),
                 counted(self.done, "frame")
             )
@@ -68,12 +68,21 @@ mod tests {
         // The first frame takes 9 s, each other half a second.
         let times = || (0..900).map(|n| 9.0 + 0.5 * f64::from(n));
         let said = lines(times(), 900);
-        assert_eq!(said, ["time: about 7 min more, by the first 5 frames"]);
+        assert_eq!(
+            said,
+            ["time: about 7 min left, estimated from the first 5 frames"]
+        );
         let said = lines(times().take(60), 60);
-        assert_eq!(said, ["time: about 30 s more, by the first 5 frames"]);
+        assert_eq!(
+            said,
+            ["time: about 30 s left, estimated from the first 5 frames"]
+        );
         let fast = (0..20_000).map(|n| 1.0 + 0.01 * f64::from(n));
         let said = lines(fast, 1_000_000);
-        assert_eq!(said, ["time: about 2.8 h more, by the first 201 frames"]);
+        assert_eq!(
+            said,
+            ["time: about 2.8 h left, estimated from the first 201 frames"]
+        );
     }
 
     #[test]

@@ -55,6 +55,27 @@ fn dates_outside_the_validity_of_the_orbit_are_rejected() {
 }
 
 #[test]
+fn the_summary_describes_orbit_and_orientation_plainly() {
+    let orbit = |more: &str| {
+        let text =
+            format!("[orbit]\nsource = \"kepler\"\nname = \"polar\"\nperiapsis_km = 7000\n{more}");
+        scene(&text).summary()
+    };
+    let summary = orbit("");
+    for part in [
+        "Keplerian orbit: polar\n",
+        "UT1 is set to UTC, which rotates the Earth by up to 420 m at the equator",
+    ] {
+        assert!(summary.contains(part), "{part}: {summary}");
+    }
+    let drifts = orbit("j2 = true");
+    assert!(
+        drifts.contains("Keplerian orbit with the drift by J2: polar\n"),
+        "{drifts}"
+    );
+}
+
+#[test]
 fn the_summary_tells_values_origins_use_and_what_is_left_out() {
     let text = "[camera]\nfov_deg = 30\n[earth]\nclouds = false\natmosphere = \"none\"";
     let summary = scene(text).summary();

@@ -169,14 +169,14 @@ impl SceneText<'_> {
         keys: &Field<'_, Vec<RawCameraKey>>,
         keys_of_mode: &[CameraKey],
     ) -> Result<(), SceneError> {
-        let advice = "look_at gives the direction of view; leave the one or the other out";
+        let advice = "look_at gives the direction of view; leave one of them out";
         if let Some(field) = given.iter().find(|field| field.is_given()) {
             return Err(self.reject(field, advice));
         }
         match keys_of_mode.iter().any(|key| key.facing_deg.is_some()) {
             true => Err(self.reject(
                 keys,
-                "have heading_deg and pitch_deg, and look_at gives the direction of view; leave the one or the other out",
+                "have heading_deg and pitch_deg, and look_at gives the direction of view; leave one of them out",
             )),
             false => Ok(()),
         }

@@ -69,7 +69,7 @@ const WIDEST_STEP_DEG: f64 = 170.0;
 const PLACE: [&str; 3] = ["lat_deg", "lon_deg", "height_km"];
 const FACING: [&str; 2] = ["heading_deg", "pitch_deg"];
 const TURN: [&str; 2] = ["yaw_deg", "pitch_deg"];
-const LIST: &str = "a camera key has time_s, and of lat_deg, lon_deg and height_km, heading_deg and pitch_deg (mode = \"geodetic\"), yaw_deg and pitch_deg (\"nadir\", \"horizon\"), offset_m (\"chase\"), roll_deg, fov_deg and exposure_ev what it sets; cut = true jumps there";
+const LIST: &str = "a keyframe has time_s, and sets any of lat_deg, lon_deg and height_km, heading_deg and pitch_deg (mode = \"geodetic\"), yaw_deg and pitch_deg (\"nadir\", \"horizon\"), offset_m (\"chase\"), roll_deg, fov_deg and exposure_ev; with cut = true the camera jumps there";
 
 /// Whether any keyframe is over the ground.
 pub(super) fn stand_on_ground(keys: &[RawCameraKey]) -> bool {
@@ -89,7 +89,8 @@ impl SceneText<'_> {
         };
         let raw = given.get_ref();
         if raw.is_empty() || raw.len() > MAX_CAMERA_KEYS {
-            let advice = format!("has 1 to {MAX_CAMERA_KEYS} camera keys, or is left out");
+            let advice =
+                format!("must have 1 to {MAX_CAMERA_KEYS} keyframes; add one, or leave keys out");
             return Err(self.reject_at("camera", "keys", given.span(), advice));
         }
         let mut keys: Vec<CameraKey> = Vec::new();
@@ -100,7 +101,7 @@ impl SceneText<'_> {
                 && key.time_s <= before.time_s
             {
                 let advice = format!(
-                    "must be more than that of the key before, {}: keys stand in the order of their times",
+                    "must be later than the keyframe before it, {}; write keyframes in the order of their times",
                     before.time_s
                 );
                 return Err(self.reject_key(entries, "time_s", given.span(), advice));

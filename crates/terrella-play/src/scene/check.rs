@@ -46,11 +46,11 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
     let has_live = checked.iter().any(Orbit::is_simulated);
     if let Some(keys) = raw_keys {
         if sensor.is_some() && camera.keys.iter().any(|key| key.fov_deg.is_some()) {
-            let advice = "keys that set fov_deg have no meaning with [sensor], whose focal length gives the field of view; leave the one or the other out";
+            let advice = "a keyframe sets fov_deg, and the focal length of [sensor] gives the field of view; leave one of them out";
             return Err(source.reject_at("camera", "keys", keys, advice));
         }
         if has_live {
-            let advice = "keys are moments of the scene's own time, and here a simulator gives the time; leave them out";
+            let advice = "keyframes have times of the scene, and here a simulator gives the time; leave them out";
             return Err(source.reject_at("camera", "keys", keys, advice));
         }
         if raw
@@ -60,7 +60,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
             .is_some_and(|ev| ev.get_ref().as_str() == Some("auto"))
             && camera.keys.iter().any(|key| key.exposure_ev.is_some())
         {
-            let advice = "keys that set exposure_ev have no meaning with exposure_ev = \"auto\" in [output]; leave the one or the other out";
+            let advice = "a keyframe sets exposure_ev, and [output] has exposure_ev = \"auto\"; leave one of them out";
             return Err(source.reject_at("camera", "keys", keys, advice));
         }
     }

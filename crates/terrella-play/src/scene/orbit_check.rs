@@ -197,7 +197,7 @@ impl SceneText<'_> {
                 let elements = orbit.declared();
                 for (key, span) in elements.filter(|(key, _)| ELEMENTS.contains(&key.name)) {
                     if let Some(span) = span {
-                        let advice = "a start is given by elements or by position_km and velocity_km_s; leave out the one or the other";
+                        let advice = "a start is given by elements or by position_km and velocity_km_s; leave one of them out";
                         return Err(self.reject_at("orbit", key.name, span, advice));
                     }
                     orbit

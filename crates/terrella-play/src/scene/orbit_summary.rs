@@ -37,9 +37,9 @@ fn flies_by(orbit: &Orbit, count: usize) -> String {
         (OrbitSource::Sp3, _) => format!("SP3, interpolated: {whose}"),
         (OrbitSource::Stk, _) => format!("STK ephemeris, interpolated: {whose}"),
         (OrbitSource::Kepler, Some(Motion::Kepler { j2: true, .. })) => {
-            format!("a conic that drifts by J2: {}", name("Kepler"))
+            format!("Keplerian orbit with the drift by J2: {}", name("Kepler"))
         }
-        (OrbitSource::Kepler, _) => format!("a conic: {}", name("Kepler")),
+        (OrbitSource::Kepler, _) => format!("Keplerian orbit: {}", name("Kepler")),
         (OrbitSource::Numerical, Some(Motion::Numerical { forces, .. })) => {
             let gravity = match forces.gravity_degree {
                 0 | 1 => "the Earth as a point".to_owned(),

@@ -223,8 +223,8 @@ impl Scene {
                 "UT1 and polar motion of {}; the remaining error is 5 cm on the ground, more where the table is a prediction",
                 file.display()
             ),
-            None => "UT1 is set to UTC, no polar motion: at the equator, places on the ground are up to 420 m off \
-                 against the stars by the first and 20 m by the second; set orientation in [time] to a table"
+            None => "UT1 is set to UTC, which rotates the Earth by up to 420 m at the equator; polar motion is left out, which \
+                 is up to 20 m; set orientation in [time] to a table of both"
                 .to_owned(),
         }));
         uses.extend(self.orbit_uses());
