@@ -1,5 +1,7 @@
 //! State set by the user: clock, camera, view, and displayed layers. Independent of windows.
 
+mod dialogs;
+
 use super::camera::HeadTurn;
 use super::clock::{AtEnd, Clock};
 use super::film_plan::{FilmSource, FilmView};
@@ -186,26 +188,6 @@ impl Controls {
         self.panel && self.line.shown && self.live.is_none()
     }
 
-    /// Whether something is open or selected that Esc closes.
-    pub fn is_something_open(&self) -> bool {
-        self.help || self.asks_to_close || self.asks_for_film || self.picked.is_some()
-    }
-
-    /// Closes the topmost dialog, or clears the selection; without either, opens the question to close the window.
-    fn dismiss(&mut self) {
-        if self.asks_to_close {
-            self.asks_to_close = false;
-        } else if self.help {
-            self.help = false;
-        } else if self.asks_for_film {
-            self.asks_for_film = false;
-        } else if self.picked.is_some() {
-            (self.picked, self.read_out) = (None, None);
-        } else {
-            self.asks_to_close = true;
-        }
-    }
-
     /// The user moves the eye by hand from now on, from a view with this field of view, radians.
     pub fn free_eye(&mut self, fov_rad: f64) {
         if self.hand.eye().is_none() && fov_rad.is_finite() {
@@ -228,7 +210,11 @@ impl Controls {
     }
 
     /// Performs a user action; returns the part that only the window can do. `height_px` is the image height, for drags.
+    /// An open dialog takes only its own actions.
     pub fn apply(&mut self, action: Action, height_px: f64) -> Option<WindowTask> {
+        if !self.accepts(action) {
+            return None;
+        }
         if sets_clock(action) {
             self.line.leave_real_time();
         }
@@ -305,7 +291,7 @@ impl Controls {
             Action::Confirm if self.asks_to_close => return Some(WindowTask::Quit),
             Action::Confirm if self.asks_for_film => return Some(WindowTask::MakeFilm),
             Action::Confirm => {}
-            Action::Film => self.asks_for_film = !self.asks_for_film && self.film.is_some(),
+            Action::Film => self.toggle_film(),
             Action::MakeFilm => return Some(WindowTask::MakeFilm),
             Action::Quit => return Some(WindowTask::Quit),
         }

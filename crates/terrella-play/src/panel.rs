@@ -121,6 +121,9 @@ pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec
     if controls.asks_to_close {
         ask_to_close(context, &mut actions);
     }
+    if controls.is_modal() {
+        cover(context);
+    }
     actions
 }
 
@@ -211,7 +214,7 @@ fn show_help(context: &Context, actions: &mut Vec<Action>) {
 
 /// The question that Esc opens.
 fn ask_to_close(context: &Context, actions: &mut Vec<Action>) {
-    egui::Window::new("Close Terrella?")
+    let question = egui::Window::new("Close Terrella?")
         .order(egui::Order::Foreground)
         .anchor(Align2::CENTER_CENTER, Vec2::ZERO)
         .resizable(false)
@@ -225,6 +228,21 @@ fn ask_to_close(context: &Context, actions: &mut Vec<Action>) {
                     actions.push(Action::Dismiss);
                 }
             });
+        });
+    if let Some(question) = question {
+        // Everything below takes no keys.
+        context.memory_mut(|memory| memory.set_modal_layer(question.response.layer_id));
+    }
+}
+
+/// Takes the clicks and the wheel of everything below a dialog.
+fn cover(context: &Context) {
+    let screen = context.content_rect();
+    egui::Area::new("below the dialog".into())
+        .order(egui::Order::Middle)
+        .fixed_pos(screen.min)
+        .show(context, |ui| {
+            ui.allocate_response(screen.size(), egui::Sense::click_and_drag())
         });
 }
 

@@ -17,7 +17,7 @@ pub fn show(context: &Context, controls: &Controls, actions: &mut Vec<Action>) {
     };
     let plan = FilmPlan::new(source, &controls.film_view());
     let mut is_open = true;
-    egui::Window::new("Film")
+    let dialog = egui::Window::new("Film")
         .open(&mut is_open)
         .order(egui::Order::Foreground)
         .anchor(Align2::CENTER_CENTER, Vec2::ZERO)
@@ -46,6 +46,10 @@ pub fn show(context: &Context, controls: &Controls, actions: &mut Vec<Action>) {
                 ui.add(egui::Label::new(command).wrap().selectable(true));
             });
         });
+    if let Some(dialog) = dialog {
+        // Everything below takes no keys.
+        context.memory_mut(|memory| memory.set_modal_layer(dialog.response.layer_id));
+    }
     if !is_open {
         actions.push(Action::Film);
     }

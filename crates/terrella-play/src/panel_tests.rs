@@ -293,6 +293,24 @@ fn every_layer_is_switched_by_a_click_on_its_name() {
 }
 
 #[test]
+fn a_dialog_takes_the_clicks_on_what_is_below() {
+    let longest = Longest::new();
+    let open: [fn(&mut Controls); 2] = [
+        |controls| controls.asks_to_close = true,
+        |controls| controls.asks_for_film = true,
+    ];
+    for open in open {
+        for below in ["tracks", "next pass"] {
+            let (_, _, actions) = longest.lay_out_and_click(LARGE, Some(below), open);
+            assert_eq!(actions, [], "{below}");
+        }
+    }
+    let close = |controls: &mut Controls| controls.asks_to_close = true;
+    let (_, _, actions) = longest.lay_out_and_click(LARGE, Some("Stay (Esc)"), close);
+    assert_eq!(actions, [Action::Dismiss]);
+}
+
+#[test]
 fn exposure_is_metered_by_a_click_and_then_held() {
     let longest = Longest::of("[output]\nexposure_ev = 1.5\n");
     let click = |change: fn(&mut Controls)| {

@@ -231,6 +231,8 @@ impl ApplicationHandler for App<'_> {
             return;
         };
         let response = renderer.offer(&event);
+        // The picture behind a dialog takes no pointer.
+        let is_taken = response.consumed || self.controls.is_modal();
         if response.repaint && !matches!(event, WindowEvent::RedrawRequested) {
             renderer.window().request_redraw();
         }
@@ -249,7 +251,8 @@ impl ApplicationHandler for App<'_> {
             WindowEvent::KeyboardInput { event, .. }
                 if event.state == ElementState::Pressed && !response.consumed =>
             {
-                let live = self.live.as_ref().filter(|_| !event.repeat);
+                let is_free = !event.repeat && !self.controls.is_modal();
+                let live = self.live.as_ref().filter(|_| is_free);
                 if let Some(told) = live.and_then(|live| live.press(&event.logical_key)) {
                     self.show_message(told);
                     self.redraw();
@@ -265,11 +268,11 @@ impl ApplicationHandler for App<'_> {
             }
             WindowEvent::ModifiersChanged(modifiers) => self.modifiers = modifiers.state(),
             WindowEvent::MouseInput { state, button, .. } => {
-                self.press(event_loop, state, button, response.consumed);
+                self.press(event_loop, state, button, is_taken);
             }
             WindowEvent::CursorMoved { position, .. } => {
                 // A press that comes right after the pointer is known to be the panel's one layout later.
-                if renderer.wants_pointer() {
+                if renderer.wants_pointer() || self.controls.is_modal() {
                     self.pointer.let_go();
                     self.controls.hand.let_go();
                 }
@@ -279,14 +282,14 @@ impl ApplicationHandler for App<'_> {
                 }
             }
             WindowEvent::CursorLeft { .. } => self.pointer.leave(),
-            WindowEvent::MouseWheel { delta, .. } if !response.consumed => {
+            WindowEvent::MouseWheel { delta, .. } if !is_taken => {
                 let notches = match delta {
                     MouseScrollDelta::LineDelta(_, lines) => f64::from(lines),
                     MouseScrollDelta::PixelDelta(pixels) => pixels.y / PIXELS_PER_NOTCH,
                 };
                 self.wheel(event_loop, notches * ZOOM_PER_NOTCH);
             }
-            WindowEvent::PinchGesture { delta, .. } if delta.is_finite() => {
+            WindowEvent::PinchGesture { delta, .. } if delta.is_finite() && !is_taken => {
                 self.wheel(event_loop, (1.0 + delta.max(-0.9)).log2());
             }
             _ => {}
@@ -388,6 +391,9 @@ impl<'a> App<'a> {
             return;
         };
         let height_px = f64::from(renderer.size().1);
+        if !self.controls.accepts(action) {
+            return;
+        }
         if let Some(denial) = self.live.as_ref().and_then(|live| live.denial(action)) {
             self.show_message(denial);
             self.redraw();

@@ -79,6 +79,8 @@ impl App<'_> {
         match Filming::start(program, self.request.adapter, &plan) {
             Ok(filming) => {
                 self.controls.film_in_work = Some(format!("making {}", plan.file.display()));
+                // Nothing else acts while it is open.
+                self.controls.asks_for_film = false;
                 self.show_message(format!(
                     "making {}; the window can be used or closed meanwhile",
                     plan.file.display()
