@@ -105,6 +105,8 @@ mod flight;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod float_files;
 #[cfg(feature = "window")]
+mod focus;
+#[cfg(feature = "window")]
 mod frame_cost;
 #[cfg(feature = "window")]
 mod gap_words;

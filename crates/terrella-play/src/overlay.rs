@@ -1,6 +1,7 @@
 //! egui on the window's surface.
 
 use super::egui_pass::{self, EguiTarget};
+use super::focus;
 use super::panel;
 use super::theme;
 use egui_wgpu::{Renderer, RendererOptions};
@@ -15,6 +16,8 @@ pub struct Overlay {
     output: Option<egui::FullOutput>,
     /// Where the pointer is, points.
     pointer: Option<egui::Pos2>,
+    /// The next layout puts the focus into a text field.
+    expects_focus: bool,
 }
 
 /// Whether egui has consumed an event.
@@ -45,6 +48,7 @@ impl Overlay {
             renderer: Renderer::new(device, format, RendererOptions::default()),
             output: None,
             pointer: None,
+            expects_focus: false,
         }
     }
 
@@ -83,11 +87,22 @@ impl Overlay {
 
     /// Whether a line of text is being typed, to which keys belong.
     pub fn is_typing(&self) -> bool {
-        self.state.egui_ctx().text_edit_focused()
+        focus::is_typing(self.state.egui_ctx())
+    }
+
+    /// The next layout puts the focus into a text field.
+    pub fn expect_focus(&mut self) {
+        self.expects_focus = true;
+    }
+
+    /// Whether events that are not laid out yet can move the focus.
+    pub fn awaits_focus(&self) -> bool {
+        self.expects_focus || focus::can_move_focus(&self.state.egui_input().events)
     }
 
     /// Lays out one frame. Returns the time until egui needs another.
     pub fn lay_out(&mut self, window: &Window, mut add: impl FnMut(&egui::Context)) -> Duration {
+        self.expects_focus = false;
         let input = self.state.take_egui_input(window);
         let context = self.state.egui_ctx().clone();
         let mut output = context.run_ui(input, |ui| add(ui.ctx()));

@@ -1,6 +1,7 @@
 //! The window: winit's events in, pictures out.
 
 mod filming;
+mod keyboard;
 mod pointing;
 mod switching;
 
@@ -9,7 +10,7 @@ use super::controls::{Controls, WindowTask};
 use super::coverage_layer::{CoverageWork, compute_behind};
 use super::error::{PlayError, WindowError};
 use super::flight::Flight;
-use super::keys::{Action, action_of};
+use super::keys::Action;
 use super::picture_change::PictureMaker;
 use super::pointer::Pointer;
 use super::progress::Progress;
@@ -227,6 +228,9 @@ impl ApplicationHandler for App<'_> {
     }
 
     fn window_event(&mut self, event_loop: &ActiveEventLoop, _id: WindowId, event: WindowEvent) {
+        if matches!(event, WindowEvent::KeyboardInput { .. }) {
+            self.settle_focus(event_loop);
+        }
         let Some(renderer) = &mut self.renderer else {
             return;
         };
@@ -251,20 +255,7 @@ impl ApplicationHandler for App<'_> {
             WindowEvent::KeyboardInput { event, .. }
                 if event.state == ElementState::Pressed && !response.consumed =>
             {
-                let is_free = !event.repeat && !self.controls.is_modal();
-                let live = self.live.as_ref().filter(|_| is_free);
-                if let Some(told) = live.and_then(|live| live.press(&event.logical_key)) {
-                    self.show_message(told);
-                    self.redraw();
-                    return;
-                }
-                let repeats = |action: Action| {
-                    matches!(action, Action::Zoom(_) | Action::Skip(_) | Action::Step(_))
-                };
-                let action = action_of(&event.logical_key);
-                if let Some(action) = action.filter(|action| !event.repeat || repeats(*action)) {
-                    self.act(event_loop, action);
-                }
+                self.press_key(event_loop, &event);
             }
             WindowEvent::ModifiersChanged(modifiers) => self.modifiers = modifiers.state(),
             WindowEvent::MouseInput { state, button, .. } => {

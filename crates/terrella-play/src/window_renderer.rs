@@ -308,6 +308,18 @@ impl WindowRenderer {
         }
     }
 
+    /// Lays out the panel if events that it has not had yet can move the focus. Answers what the user did.
+    pub fn settle_focus(&mut self, controls: &Controls) -> Option<Vec<Action>> {
+        let (moment, stats) = self.last.filter(|_| self.overlay.awaits_focus())?;
+        let (_, actions) = self.lay_out_panel(&moment, controls, stats);
+        Some(actions)
+    }
+
+    /// The next layout puts the focus into a text field.
+    pub fn expect_focus(&mut self) {
+        self.overlay.expect_focus();
+    }
+
     /// Whether the pointer was over the panel, or dragging a part of it, in the last layout.
     pub fn wants_pointer(&self) -> bool {
         self.overlay.wants_pointer()
