@@ -23,6 +23,16 @@ fn file() -> Result<PathBuf, String> {
     Ok(folder.join(PLACE_NAMES))
 }
 
+/// All cities of the starter pack, the most important first; none if the file is missing or corrupt.
+#[cfg(feature = "window")]
+pub(super) fn shipped_names() -> Vec<NamedPlace> {
+    let read = file().and_then(|path| read_place_names(&path).map_err(|error| error.to_string()));
+    read.unwrap_or_else(|error| {
+        tracing::warn!("places cannot be chosen by name: {error}");
+        Vec::new()
+    })
+}
+
 /// The places that a scene may label, the most important first, and a report if they are missing.
 ///
 /// # Errors

@@ -4,11 +4,15 @@
 //! |---|---|
 //! | `ticks.rs` | marks at round times |
 //! | `bar.rs` | drawing, and pointer interaction |
+//! | `fields.rs` | text fields for a date and a place |
+//! | `entry.rs` | dates and places from text |
 //! | `zoom.rs` | the visible part of the span |
 //! | `light.rs` | night below the satellite, and the Earth's shadow |
 //! | `pass_search.rs` | passes and light, on a separate thread |
 
 mod bar;
+mod entry;
+mod fields;
 mod light;
 mod pass_search;
 mod ticks;
@@ -19,12 +23,15 @@ pub use pass_search::{PassQuery, PassResult, PassSearch};
 
 use super::clock::Clock;
 use super::flight::Flight;
+use super::place_names::shipped_names;
 use super::place_text::place_text;
 use crate::scene::CameraMode;
 use hifitime::{TimeScale, Unit};
 use light::LightBands;
 use pass_search::{PassSite, Upcoming};
+use std::sync::Arc;
 use terrella::frames::{Duration, Epoch, Geodetic, rfc3339};
+use terrella::tracks::NamedPlace;
 use terrella_orbit::{Feed, Pass};
 use zoom::Zoom;
 
@@ -74,6 +81,8 @@ pub struct TimeLine {
     pub shown: bool,
     /// The place that passes are over.
     pub place: Option<Geodetic>,
+    /// Cities that can be chosen by name, the most important first.
+    pub cities: Arc<[NamedPlace]>,
     /// Minimum elevation of a pass over it, degrees.
     pub min_elevation_deg: f64,
     /// Whether only visible passes are shown.
@@ -107,6 +116,7 @@ impl TimeLine {
         Self {
             shown: true,
             place: place.filter(|_| flight.feed().is_some()),
+            cities: shipped_names().into(),
             min_elevation_deg: station
                 .map_or(DEFAULT_MIN_ELEVATION_DEG, |one| one.min_elevation_deg),
             visible_only: false,

@@ -3,14 +3,14 @@
 use super::super::clock::{AtEnd, Clock};
 use super::super::icons::{Icon, icon_button};
 use super::super::keys::{Action, tooltip};
-use super::super::place_text::place_text;
+use super::fields::{date, place};
 use super::ticks::ticks;
 use super::{TimeLine, seconds};
 use egui::{
-    Align2, Color32, Context, CornerRadius, DragValue, FontId, Id, Painter, Pos2, Rect, Response,
-    RichText, Sense, Stroke, TextEdit, Ui, Vec2, vec2,
+    Align2, Color32, Context, CornerRadius, DragValue, FontId, Painter, Pos2, Rect, Response,
+    Sense, Stroke, Ui, Vec2, vec2,
 };
-use terrella::frames::{Epoch, utc_from_rfc3339};
+use terrella::frames::Epoch;
 
 /// Height of its content while its buttons take one line, points.
 const CONTENT_HEIGHT: f32 = 72.0;
@@ -330,89 +330,4 @@ fn buttons(ui: &mut Ui, line: &TimeLine, clock: &Clock, actions: &mut Vec<Action
             actions.push(Action::Film);
         }
     });
-}
-
-/// A date to go to, as a line of text.
-fn date(ui: &mut Ui, clock: &Clock, actions: &mut Vec<Action>) {
-    let id = Id::new("time line date");
-    let typed = ui.data(|data| data.get_temp::<String>(id));
-    let mut text = typed.unwrap_or_default();
-    let is_wrong = !text.is_empty() && read_date(&text).is_none();
-    let mut edit = TextEdit::singleline(&mut text)
-        .desired_width(128.0)
-        .hint_text("go to date, UTC");
-    if is_wrong {
-        edit = edit.text_color(ui.visuals().error_fg_color);
-    }
-    let response = ui.add(edit);
-    if response.changed() {
-        ui.data_mut(|data| data.insert_temp(id, text.clone()));
-    }
-    if response.lost_focus() {
-        if let Some(epoch) = read_date(&text) {
-            actions.push(Action::GoTo(epoch));
-        }
-        ui.data_mut(|data| data.remove_temp::<String>(id));
-    }
-    response.on_hover_text(format!("for example {}", seconds(clock.span().0)));
-}
-
-/// A date and time of UTC as people write it; without a time, midnight.
-pub(super) fn read_date(text: &str) -> Option<Epoch> {
-    let text = text.trim().trim_end_matches(['Z', 'z']).replace(' ', "T");
-    let whole = match text.len() {
-        10 => format!("{text}T00:00:00Z"),
-        16 => format!("{text}:00Z"),
-        _ => format!("{text}Z"),
-    };
-    utc_from_rfc3339(&whole).ok()
-}
-
-/// The place of passes as a line of text: what is typed is kept here until it is one.
-fn place(ui: &mut Ui, line: &TimeLine, actions: &mut Vec<Action>) {
-    let id = Id::new("time line place");
-    let known = line.place.map(|place| {
-        let (lat, lon) = (place.lat_rad.to_degrees(), place.lon_rad.to_degrees());
-        format!("{lat:.4}, {lon:.4}")
-    });
-    let typed = ui.data(|data| data.get_temp::<String>(id));
-    let mut text = typed.or(known).unwrap_or_default();
-    let read = read_place(&text);
-    let mut edit = TextEdit::singleline(&mut text)
-        .desired_width(128.0)
-        .hint_text("over lat, lon (°)");
-    if read.is_none() && !text_is_empty(ui, id) {
-        edit = edit.text_color(ui.visuals().error_fg_color);
-    }
-    let response = ui.add(edit);
-    if response.changed() {
-        ui.data_mut(|data| data.insert_temp(id, text.clone()));
-    }
-    if response.lost_focus() {
-        if let Some((lat_deg, lon_deg)) = read_place(&text) {
-            actions.push(Action::Place(lat_deg, lon_deg));
-        }
-        ui.data_mut(|data| data.remove_temp::<String>(id));
-    }
-    let hint = match line.place {
-        Some(place) => format!("passes over {}", place_text(place.lat_rad, place.lon_rad)),
-        None => "a place: latitude and longitude, south and west negative".to_owned(),
-    };
-    response.on_hover_text(RichText::new(hint));
-}
-
-fn text_is_empty(ui: &Ui, id: Id) -> bool {
-    ui.data(|data| data.get_temp::<String>(id))
-        .is_none_or(|text| text.is_empty())
-}
-
-/// Latitude and longitude in degrees, by a comma or a blank apart.
-pub(super) fn read_place(text: &str) -> Option<(f64, f64)> {
-    let mut numbers = text
-        .split([',', ' ', ';'])
-        .filter(|word| !word.is_empty())
-        .map(|word| word.trim_end_matches('°').parse::<f64>().ok());
-    let (lat, lon) = (numbers.next()??, numbers.next()??);
-    let is_place = lat.abs() <= 90.0 && lon.abs() <= 360.0 && numbers.next().is_none();
-    is_place.then_some((lat, lon))
 }

@@ -1,6 +1,6 @@
 //! Behaviour of the time line, without a window.
 
-use super::bar::{read_date, read_place};
+use super::entry::{place_of, read_date, read_place};
 use super::*;
 use crate::clock::AtEnd;
 use crate::scene::Scene;
@@ -33,6 +33,55 @@ fn places_are_read_as_people_write_them() {
         "", "48", "48,", "91, 0", "0, 361", "1, 2, 3", "nan, 0", "0, inf", "N 48",
     ] {
         assert_eq!(read_place(bad), None, "{bad}");
+    }
+}
+
+#[test]
+fn places_are_read_with_letters_of_the_compass() {
+    for text in [
+        "78.23N 15.39E",
+        "78.23 N, 15.39 E",
+        "78.23° n, 15.39° e",
+        "78.23N,15.39E",
+    ] {
+        assert_eq!(read_place(text), Some((78.23, 15.39)), "{text}");
+    }
+    assert_eq!(read_place("33.5 S 70.25 W"), Some((-33.5, -70.25)));
+    for bad in [
+        "95N 15E", "-33S 70W", "48N 16N", "15E 78N", "48N 16", "N S E W",
+    ] {
+        assert_eq!(read_place(bad), None, "{bad}");
+    }
+}
+
+#[test]
+fn cities_are_found_by_name_or_by_its_only_beginning() {
+    let cities = [("London", 51.51), ("San Juan", 18.47), ("San José", 9.93)];
+    let later = [("Londrina", -23.31), ("London", 42.98)];
+    let cities: Vec<NamedPlace> = cities.into_iter().chain(later).map(city).collect();
+    let lat = |text: &str| place_of(text, &cities).map(|(lat, _)| (100.0 * lat).round() / 100.0);
+    assert_eq!(lat("LONDON"), Ok(51.51), "the most important of two");
+    assert_eq!(lat(" londr"), Ok(-23.31));
+    assert_eq!(lat("san jOSÉ"), Ok(9.93));
+    assert_eq!(lat("12.5, 0"), Ok(12.5));
+    let several = lat("san").expect_err("two");
+    assert_eq!(
+        several,
+        "several cities begin with \"san\": San Juan, San José"
+    );
+    assert!(lat("95, 15").is_err_and(|message| message.starts_with("expected: latitude")));
+    assert!(lat("Atlantis").is_err_and(|message| message.contains("no known city")));
+    // The shipped ones are there.
+    let (line, ..) = opened(SCENE);
+    assert!(place_of("reykjav", &line.cities).is_ok_and(|(lat, _)| (lat - 64.1).abs() < 0.1));
+}
+
+fn city((name, lat_deg): (&str, f64)) -> NamedPlace {
+    NamedPlace {
+        place: Geodetic::from_degrees(lat_deg, 0.0, 0.0),
+        name: name.to_owned(),
+        is_capital: false,
+        isolation_m: 0.0,
     }
 }
 
