@@ -108,6 +108,13 @@ pub struct Binding {
     action: Action,
 }
 
+impl Binding {
+    /// What its keys do.
+    pub fn action(&self) -> Action {
+        self.action
+    }
+}
+
 enum KeyPattern {
     Named(NamedKey),
     Char(&'static str),
@@ -323,7 +330,7 @@ pub const BINDINGS: &[Binding] = &[
     },
     Binding {
         keys: "H or F1",
-        does: "this help",
+        does: "open or close this help",
         patterns: &[Char("h"), Char("?"), Named(NamedKey::F1)],
         action: Action::Help,
     },

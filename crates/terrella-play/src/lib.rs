@@ -147,6 +147,8 @@ mod panel;
 #[cfg(feature = "window")]
 mod panel_film;
 #[cfg(feature = "window")]
+mod panel_help;
+#[cfg(feature = "window")]
 mod panel_layers;
 mod pass_table;
 #[cfg(feature = "window")]

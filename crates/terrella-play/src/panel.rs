@@ -5,9 +5,10 @@ use super::controls::Controls;
 use super::flight::Moment;
 use super::hand::FreeEye;
 use super::icons::{Icon, icon_button};
-use super::keys::{Action, BINDINGS, MOUSE, tooltip};
+use super::keys::{Action, tooltip};
 use super::map_scale::{self, MapScale};
 use super::panel_film;
+use super::panel_help;
 use super::panel_layers;
 use super::picking::{Picked, ReadOut, altitude_text};
 use super::place_text::place_text;
@@ -28,8 +29,6 @@ const NOTICE_WIDTH: f32 = 420.0;
 const MARGIN: f32 = 8.0;
 /// Height of a window of egui without its content: title, frame, spacing, points.
 const WINDOW_CHROME: f32 = 44.0;
-/// Height of a line of buttons or text below a scrolled part, points.
-const FOOTER: f32 = 28.0;
 /// Height of the panel's buttons, which take two lines, points.
 const BUTTONS: f32 = 50.0;
 /// Most of the window's width that the panel takes.
@@ -116,7 +115,7 @@ pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec
     }
     panel_film::show(context, controls, &mut actions);
     if controls.help {
-        show_help(context, &mut actions);
+        panel_help::show(context, covered, &mut actions);
     }
     if controls.asks_to_close {
         ask_to_close(context, &mut actions);
@@ -190,26 +189,6 @@ fn show_read_out(
                 }
             });
         });
-}
-
-/// The keys, with two ways to close them.
-fn show_help(context: &Context, actions: &mut Vec<Action>) {
-    let screen = context.content_rect();
-    let mut is_open = true;
-    egui::Window::new("Keys")
-        .open(&mut is_open)
-        .order(egui::Order::Foreground)
-        .anchor(Align2::CENTER_CENTER, Vec2::ZERO)
-        .resizable(false)
-        .collapsible(false)
-        .show(context, |ui| {
-            let height = screen.height() - 2.0 * MARGIN - WINDOW_CHROME - FOOTER;
-            scrolled(ui, height, help);
-            ui.label("Esc, H or the cross closes this help.");
-        });
-    if !is_open {
-        actions.push(Action::Dismiss);
-    }
 }
 
 /// The question that Esc opens.
@@ -476,17 +455,6 @@ fn tile_rows(stats: &FrameStats) -> [(&'static str, String); 4] {
             ),
         ),
     ]
-}
-
-fn help(ui: &mut Ui) {
-    Grid::new("keys").num_columns(2).show(ui, |ui| {
-        let keys = BINDINGS.iter().map(|binding| (binding.keys, binding.does));
-        for (keys, does) in MOUSE.iter().copied().chain(keys) {
-            ui.label(RichText::new(keys).strong());
-            ui.label(does);
-            ui.end_row();
-        }
-    });
 }
 
 fn camera_text(controls: &Controls) -> &'static str {

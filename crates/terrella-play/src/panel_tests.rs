@@ -243,6 +243,46 @@ fn the_help_names_every_way_to_close_it() {
 }
 
 #[test]
+fn all_keys_are_visible_at_once_in_a_usual_window() {
+    use crate::keys::{BINDINGS, MOUSE};
+    let longest = Longest::new();
+    for size in [Vec2::new(1280.0, 720.0), LARGE] {
+        let (texts, areas) = longest.lay_out(size, |controls| controls.help = true);
+        let screen = Rect::from_min_size(egui::Pos2::ZERO, size);
+        for area in areas {
+            assert!(screen.contains_rect(area), "{area} leaves {screen}");
+        }
+        let find = |wanted: &str| {
+            let found = texts.iter().find(|(_, _, text)| text == wanted);
+            let (clip, rect, _) = found.unwrap_or_else(|| panic!("{wanted} is missing"));
+            assert!(clip.expand(1.0).contains_rect(*rect), "{wanted}: {rect}");
+            *rect
+        };
+        let bindings = BINDINGS.iter().map(|binding| binding.does);
+        for does in bindings.chain(MOUSE.iter().map(|(_, does)| *does)) {
+            find(does);
+        }
+        // What closes it is at the top.
+        let first = find("play or pause").top();
+        for closing in ["open or close this help", "close the window at once"] {
+            assert!(find(closing).top() < first, "{closing}");
+        }
+    }
+}
+
+#[test]
+fn the_help_leaves_the_panel_visible_where_there_is_room() {
+    let longest = Longest::new();
+    let (texts, _) = longest.lay_out(LARGE, |controls| controls.help = true);
+    let find = |wanted: &str| {
+        let found = texts.iter().find(|(_, _, text)| text == wanted);
+        found.map(|(_, rect, _)| *rect).expect("it is laid out")
+    };
+    let name = "A SATELLITE WITH A LONG NAME (2018-001-ABC)";
+    assert!(find("open or close this help").left() > find(name).right());
+}
+
+#[test]
 fn what_is_selected_is_said_beside_the_panel() {
     let longest = Longest::new();
     let select = |controls: &mut Controls| {
