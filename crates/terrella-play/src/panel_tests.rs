@@ -283,6 +283,41 @@ fn the_help_leaves_the_panel_visible_where_there_is_room() {
 }
 
 #[test]
+fn a_wide_time_line_names_the_colours_of_its_bands() {
+    let scene = "[time]\nduration_s = 21600\n[camera]\nmode = \"nadir\"\n[orbit]\n";
+    let longest = Longest::of(scene);
+    let words = ["night below", "Earth's shadow", "passes"];
+    let shown = |width: f32, change: fn(&mut Controls, &Flight)| {
+        let (texts, _) = longest.lay_out(Vec2::new(width, 720.0), |controls| {
+            change(controls, &longest.flight);
+        });
+        words.map(|word| {
+            let found = texts.iter().find(|(_, _, text)| text == word);
+            found.map(|(_, rect, _)| *rect)
+        })
+    };
+    let with_bands = |controls: &mut Controls, flight: &Flight| {
+        controls.line.find_light(flight, &controls.clock);
+        let begin = controls.clock.now();
+        controls.line.passes = vec![terrella_orbit::Pass {
+            begin,
+            rises: true,
+            highest: begin,
+            elevation_rad: 0.7,
+            end: begin,
+            sets: true,
+        }];
+    };
+    for width in [900.0, 1280.0] {
+        let [night, umbra, passes] = shown(width, with_bands).map(|rect| rect.expect("a word"));
+        assert!(night.right() < umbra.left() && umbra.right() < passes.left());
+    }
+    assert_eq!(shown(800.0, with_bands), [None; 3]);
+    // Bands that are not there are not named.
+    assert_eq!(shown(1280.0, |_, _| ()), [None; 3]);
+}
+
+#[test]
 fn what_is_selected_is_said_beside_the_panel() {
     let longest = Longest::new();
     let select = |controls: &mut Controls| {

@@ -8,7 +8,7 @@ use super::ticks::ticks;
 use super::{TimeLine, seconds};
 use egui::{
     Align2, Color32, Context, CornerRadius, DragValue, FontId, Painter, Pos2, Rect, Response,
-    Sense, Stroke, Ui, Vec2, vec2,
+    Sense, Stroke, StrokeKind, Ui, Vec2, vec2,
 };
 use terrella::frames::Epoch;
 
@@ -26,6 +26,11 @@ const POINTS_PER_DOUBLING: f32 = 80.0;
 const TICK_WIDTH: f32 = 76.0;
 /// Half the width of the handles of the played part, points.
 const HANDLE_HALF_WIDTH: f32 = 5.0;
+/// A window as wide has a legend of the bands, points.
+const LEGEND_FROM: f32 = 900.0;
+/// Side of a colour of the legend, and the room after a word, points.
+const SWATCH: f32 = 8.0;
+const LEGEND_GAP: f32 = 8.0;
 
 const PLAYED: Color32 = Color32::from_rgb(58, 74, 96);
 const LEFT_OUT: Color32 = Color32::from_rgb(34, 36, 42);
@@ -46,15 +51,15 @@ pub fn show(context: &Context, line: &TimeLine, clock: &Clock, actions: &mut Vec
             let (from, to) = line.part(clock);
             let at =
                 |part: f64| clock.span().0 + hifitime::Unit::Second * (part * clock.duration_s());
-            ends(ui, clock, (at(from), at(to)));
+            ends(ui, line, clock, (at(from), at(to)));
             bar(ui, line, clock, actions);
             buttons(ui, line, clock, actions);
         });
     window.map_or(0.0, |window| window.response.rect.height())
 }
 
-/// Start, current time and end of the visible part, UTC.
-fn ends(ui: &mut Ui, clock: &Clock, shown: (Epoch, Epoch)) {
+/// Start, current time and end of the visible part, UTC, and the legend between them.
+fn ends(ui: &mut Ui, line: &TimeLine, clock: &Clock, shown: (Epoch, Epoch)) {
     let (first, last) = shown;
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 14.0), Sense::hover());
     let labels = [
@@ -66,10 +71,50 @@ fn ends(ui: &mut Ui, clock: &Clock, shown: (Epoch, Epoch)) {
         ),
         (rect.right_center(), Align2::RIGHT_CENTER, seconds(last)),
     ];
-    for (at, align, text) in labels {
-        let colour = ui.visuals().text_color();
+    let colour = ui.visuals().text_color();
+    let [start, now, end] = labels.map(|(at, align, text)| {
         ui.painter()
-            .text(at, align, text, FontId::monospace(12.0), colour);
+            .text(at, align, text, FontId::monospace(12.0), colour)
+    });
+    if ui.ctx().content_rect().width() < LEGEND_FROM {
+        return;
+    }
+    let light = [
+        (&line.light.night, NIGHT, "night below"),
+        (&line.light.umbra, UMBRA, "Earth's shadow"),
+    ];
+    let light = light.into_iter().filter(|(bands, ..)| !bands.is_empty());
+    let light: Vec<_> = light.map(|(_, colour, words)| (colour, words)).collect();
+    legend(ui, (start.right(), now.left()), rect.center().y, &light);
+    let passes = [(PASS, "passes")];
+    let passes = &passes[..usize::from(!line.passes.is_empty())];
+    legend(ui, (now.right(), end.left()), rect.center().y, passes);
+}
+
+/// Colours with their meaning in the middle of a free part of a line, if they fit.
+fn legend(ui: &Ui, (left, right): (f32, f32), y: f32, entries: &[(Color32, &str)]) {
+    let faint = ui.visuals().weak_text_color();
+    let painter = ui.painter();
+    let entries = entries.iter().map(|(colour, words)| {
+        let words = painter.layout_no_wrap((*words).to_owned(), FontId::proportional(10.5), faint);
+        (*colour, words)
+    });
+    let entries: Vec<_> = entries.collect();
+    let widths = entries.iter().map(|(_, words)| words.size().x);
+    let width: f32 = widths.map(|words| SWATCH + 4.0 + words + LEGEND_GAP).sum();
+    if width + LEGEND_GAP > right - left {
+        return;
+    }
+    let mut x = 0.5 * (left + right - width + LEGEND_GAP);
+    for (colour, words) in entries {
+        let swatch = Rect::from_center_size(Pos2::new(x + 0.5 * SWATCH, y), Vec2::splat(SWATCH));
+        painter.rect_filled(swatch, CornerRadius::ZERO, colour);
+        // Night is nearly as dark as the plate.
+        let edge = Stroke::new(1.0, faint);
+        painter.rect_stroke(swatch, CornerRadius::ZERO, edge, StrokeKind::Inside);
+        let size = words.size();
+        painter.galley(Pos2::new(x + SWATCH + 4.0, y - 0.5 * size.y), words, faint);
+        x += SWATCH + 4.0 + size.x + LEGEND_GAP;
     }
 }
 
