@@ -25,6 +25,8 @@ use terrella::{AdaptiveQuality, FrameStats};
 
 /// Longer notices take several lines, points.
 const NOTICE_WIDTH: f32 = 420.0;
+/// With less room in the middle of the window, a message is beside the panel, points.
+const MESSAGE_WIDTH: f32 = 320.0;
 /// Margin between the window's edge and overlays, points.
 const MARGIN: f32 = 8.0;
 /// Height of a window of egui without its content: title, frame, spacing, points.
@@ -100,18 +102,12 @@ pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec
         show_read_out(context, read_out, top, room, &mut actions);
     }
     if let Some(message) = &controls.message {
-        egui::Area::new("message".into())
-            // Centred in the space beside the panel.
-            .anchor(
-                Align2::CENTER_BOTTOM,
-                Vec2::new(0.5 * (panel_right - screen.left()), -message_bottom),
-            )
-            .show(context, |ui| {
-                egui::Frame::popup(ui.style()).show(ui, |ui| {
-                    ui.set_max_width((room - 4.0 * MARGIN).max(0.0));
-                    ui.label(message)
-                });
-            });
+        show_message(
+            context,
+            message,
+            panel_right - screen.left(),
+            message_bottom,
+        );
     }
     panel_film::show(context, controls, &mut actions);
     if controls.help {
@@ -156,6 +152,24 @@ fn show_notice(context: &Context, notice: &str, room: f32) -> f32 {
             });
         });
     area.response.rect.height()
+}
+
+/// A message above what is at the bottom: in the middle of the window, or beside the panel where there is little room.
+fn show_message(context: &Context, message: &str, panel_width: f32, bottom: f32) {
+    let width = context.content_rect().width();
+    let central = width - 2.0 * (panel_width + MARGIN);
+    let (shift, room) = match central >= MESSAGE_WIDTH {
+        true => (0.0, central - 2.0 * MARGIN),
+        false => (0.5 * panel_width, width - panel_width - 4.0 * MARGIN),
+    };
+    egui::Area::new("message".into())
+        .anchor(Align2::CENTER_BOTTOM, Vec2::new(shift, -bottom))
+        .show(context, |ui| {
+            egui::Frame::popup(ui.style()).show(ui, |ui| {
+                ui.set_max_width(room.max(0.0));
+                ui.label(message)
+            });
+        });
 }
 
 /// Information about the selection, on the right, and a ring around it in the image.

@@ -318,6 +318,19 @@ fn a_wide_time_line_names_the_colours_of_its_bands() {
 }
 
 #[test]
+fn a_message_is_in_the_middle_of_a_window_with_room() {
+    let longest = Longest::new();
+    for text in ["saved a.png", &"a long message of many words ".repeat(8)] {
+        let (texts, _) = longest.lay_out(LARGE, |controls| {
+            controls.message = Some(text.to_owned());
+        });
+        let found = texts.iter().find(|(_, _, laid)| laid == text);
+        let (_, rect, _) = found.expect("the message");
+        assert!((rect.center().x - 0.5 * LARGE.x).abs() < 8.0, "{rect}");
+    }
+}
+
+#[test]
 fn what_is_selected_is_said_beside_the_panel() {
     let longest = Longest::new();
     let select = |controls: &mut Controls| {
