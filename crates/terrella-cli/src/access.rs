@@ -23,7 +23,7 @@ pub struct AccessArgs {
     /// Maximum range, km
     #[arg(long, value_name = "KM", value_parser = values::range_km)]
     max_range: Option<f64>,
-    /// Only while the satellite, of two the second, is outside the Earth's umbra
+    /// Only while the satellite is outside the Earth's umbra; with --crosslinks: the second satellite of the two
     #[arg(long)]
     sunlit: bool,
     /// Number of days from the scene's start, as far as the orbits are valid [default: to the scene's end]

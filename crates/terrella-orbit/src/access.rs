@@ -25,7 +25,7 @@ pub struct AccessRule {
     /// Least height above the ellipsoid that the line between two satellites passes the Earth at, metres: the depth of the air that blocks
     /// it.
     pub min_height_m: f64,
-    /// Whether the satellite, of two the second, must be outside of the Earth's umbra.
+    /// Whether the satellite must be outside the Earth's umbra. Between two satellites, the second must be.
     pub needs_sunlight: bool,
 }
 

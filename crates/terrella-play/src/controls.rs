@@ -81,7 +81,7 @@ pub enum WindowTask {
     Screenshot,
     /// Change to full screen or back.
     FullScreen,
-    /// Follow the clock on the wall.
+    /// Follow the real clock.
     RealTime,
     /// Look for the next pass.
     NextPass,

@@ -68,7 +68,7 @@ pub enum Action {
     RangeEnd(Option<f64>),
     /// Plays all of the span.
     RangeAll,
-    /// Toggles following the wall clock.
+    /// Toggles following the real clock.
     RealTime,
     /// Back to the scene's flight, from real time or from a pass.
     SceneSpan,
@@ -78,7 +78,7 @@ pub enum Action {
     Place(f64, f64),
     /// Minimum elevation of a pass, degrees.
     MinElevation(f64),
-    /// Shows passes in which the satellite can be seen alone, or all.
+    /// Shows only passes in which the satellite can be seen, or all.
     VisibleOnly,
     /// Opens the list of satellites, to type a name.
     Search,
@@ -150,25 +150,25 @@ pub const BINDINGS: &[Binding] = &[
     },
     Binding {
         keys: "Right",
-        does: "five seconds of playback on",
+        does: "forward 5 seconds of playback",
         patterns: &[Named(NamedKey::ArrowRight)],
         action: Action::Skip(5.0),
     },
     Binding {
         keys: "Left",
-        does: "five seconds of playback back",
+        does: "back 5 seconds of playback",
         patterns: &[Named(NamedKey::ArrowLeft)],
         action: Action::Skip(-5.0),
     },
     Binding {
         keys: "]",
-        does: "pause, and a frame on",
+        does: "pause and go forward one frame",
         patterns: &[Char("]")],
         action: Action::Step(1.0),
     },
     Binding {
         keys: "[",
-        does: "pause, and a frame back",
+        does: "pause and go back one frame",
         patterns: &[Char("[")],
         action: Action::Step(-1.0),
     },
@@ -258,7 +258,7 @@ pub const BINDINGS: &[Binding] = &[
     },
     Binding {
         keys: "W",
-        does: "real time: follow the clock on the wall",
+        does: "real time: follow the real clock",
         patterns: &[Char("w")],
         action: Action::RealTime,
     },
@@ -276,7 +276,7 @@ pub const BINDINGS: &[Binding] = &[
     },
     Binding {
         keys: "Y",
-        does: "passes in which the satellite is visible alone, or all passes",
+        does: "show only visible passes, or all passes",
         patterns: &[Char("y")],
         action: Action::VisibleOnly,
     },
@@ -424,6 +424,21 @@ mod tests {
         assert_eq!(char("q"), Some(Action::Quit));
         assert_eq!(char("z"), None);
         assert_eq!(named(NamedKey::Tab), None);
+    }
+
+    #[test]
+    fn the_help_is_in_plain_words() {
+        let does = |action| binding_of(&action).map(|binding| binding.does);
+        assert_eq!(
+            does(Action::Skip(5.0)),
+            Some("forward 5 seconds of playback")
+        );
+        assert_eq!(does(Action::Skip(-5.0)), Some("back 5 seconds of playback"));
+        for binding in BINDINGS {
+            for idiom in ["on the wall", "alone", "playback on", "frame on"] {
+                assert!(!binding.does.contains(idiom), "{}", binding.does);
+            }
+        }
     }
 
     #[test]

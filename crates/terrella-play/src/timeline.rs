@@ -92,7 +92,7 @@ pub struct TimeLine {
     /// Night and shadow in the span.
     pub light: LightBands,
     zoom: Option<Zoom>,
-    /// Whether the clock follows the wall clock.
+    /// Whether the clock follows the real clock.
     real_time: bool,
     /// Query of the current passes.
     asked: Option<(PassSite, (Epoch, Epoch))>,
@@ -130,17 +130,17 @@ impl TimeLine {
         }
     }
 
-    /// Whether the clock follows the wall clock.
+    /// Whether the clock follows the real clock.
     pub fn is_real_time(&self) -> bool {
         self.real_time
     }
 
-    /// Stops following the wall clock, after the user has set the clock.
+    /// Stops following the real clock, after the user has set the clock.
     pub fn leave_real_time(&mut self) {
         self.real_time = false;
     }
 
-    /// Begins to follow the clock on the wall, which reads `now`. `coverage` is the satellite's, if
+    /// Begins to follow the real clock, which reads `now`. `coverage` is the satellite's, if
     /// there is one. Answers the message to show, also where it cannot.
     pub fn begin_real_time(
         &mut self,

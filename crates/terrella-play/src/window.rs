@@ -419,7 +419,7 @@ impl<'a> App<'a> {
                     Ok(now) => controls
                         .line
                         .begin_real_time(&mut controls.clock, now, coverage),
-                    Err(error) => format!("the clock on the wall cannot be read: {error}"),
+                    Err(error) => format!("the real clock cannot be read: {error}"),
                 };
                 self.show_message(message);
             }
@@ -455,7 +455,7 @@ impl<'a> App<'a> {
         self.flight.feed().map(Coverage::of)
     }
 
-    /// Lets time pass, or sets the clock by the one on the wall.
+    /// Lets time pass, or sets the clock by the real one.
     fn advance(&mut self, wall: Duration) {
         if self.live.is_some() {
             // Time comes from the simulator.
