@@ -191,6 +191,13 @@ fn the_archived_program_draws_a_first_picture() {
     let scene = prefix.join("share/terrella/config/relief.toml");
     let scene = scene.to_str().unwrap();
     terrella(&["frame", scene, "-o", "relief.png", "--size", "64x36"]);
+    // A missing scene is answered with one that is installed.
+    let mut missing = Command::new(layout::program_below(&prefix));
+    let missing = missing
+        .args(["check", "config/iss.toml"])
+        .current_dir(empty.path());
+    let said = String::from_utf8(missing.output().unwrap().stderr).unwrap();
+    assert!(said.contains("share/terrella/config/iss.toml"), "{said}");
     // It uses its own maps, not those of the checkout that it was built in.
     fs::remove_file(prefix.join(layout::MAPS).join("clouds.jpg")).unwrap();
     assert!(terrella(&["check"]).contains("missing, so left out"));

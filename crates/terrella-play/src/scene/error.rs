@@ -43,7 +43,7 @@ impl fmt::Display for KeyLocation {
 #[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum SceneError {
     /// The file could not be opened or read.
-    #[error("{}: cannot be read: {source}; give the path of a scene file such as config/iss.toml, or of an orbit file", path.display())]
+    #[error("{}: cannot be read: {source}; give the path of a scene file such as {}, or of an orbit file", path.display(), example().display())]
     Read {
         path: PathBuf,
         /// Error of the operating system.
@@ -138,4 +138,13 @@ impl SceneError {
             Self::Neither { scene } => scene.line(),
         }
     }
+}
+
+/// A scene that exists: one that was installed with this program, or one of the repository's.
+fn example() -> PathBuf {
+    let program = std::env::current_exe().ok();
+    let bin = program.as_deref().and_then(Path::parent);
+    let installed = bin.map(|bin| bin.join("../share/terrella/config/iss.toml"));
+    let installed = installed.and_then(|path| path.canonicalize().ok());
+    installed.unwrap_or_else(|| "config/iss.toml".into())
 }
