@@ -43,33 +43,82 @@ pub fn illumination(
     sun_itrf_m: DVec3,
     ellipsoid: &Ellipsoid,
 ) -> (Illumination, f64) {
-    let to_sun = sun_itrf_m - position_itrf_m;
-    let sun = (SUN_RADIUS_M / to_sun.length()).asin();
-    // The transformation to the unit sphere preserves planes and tangents.
-    let scale = ellipsoid.itrf_from_scaled();
-    let (eye, towards) = (position_itrf_m / scale, to_sun / scale);
-    if eye.length_squared() < 1.0 {
-        // Below the ground.
-        return (Illumination::Umbra, 0.0);
-    }
-    if to_sun.length() <= SUN_RADIUS_M {
-        return (Illumination::Sunlit, 1.0);
-    }
-    let down = -eye.normalize();
-    let aside = towards - down * towards.dot(down);
-    let aside = aside.normalize_or(down.any_orthonormal_vector());
-    let sine = eye.length().recip();
-    let limb = (down * (1.0 - sine * sine).sqrt() + aside * sine) * scale;
-    let earth = limb.angle_between(-position_itrf_m);
-    let apart = to_sun.angle_between(-position_itrf_m);
-    let state = if apart >= sun + earth {
+    let discs = match Discs::seen_from(position_itrf_m, sun_itrf_m, ellipsoid) {
+        Ok(discs) => discs,
+        // Below the ground, or in the Sun.
+        Err(Illumination::Umbra) => return (Illumination::Umbra, 0.0),
+        Err(state) => return (state, 1.0),
+    };
+    let [penumbra, umbra] = discs.margins();
+    let state = if penumbra >= 0.0 {
         Illumination::Sunlit
-    } else if apart <= earth - sun {
+    } else if umbra <= 0.0 {
         Illumination::Umbra
     } else {
         Illumination::Penumbra
     };
-    (state, uncovered(sun, earth, apart))
+    (state, uncovered(discs.sun, discs.earth, discs.apart))
+}
+
+/// How far a position is from the penumbra and from the umbra: the angles by which the Sun would have to be nearer to the Earth's centre, as it is
+/// seen, to begin to be covered, and to be covered, radians. They are continuous, and negative inside the shadow. Arguments as for [`illumination`].
+pub fn shadow_margins_rad(
+    position_itrf_m: DVec3,
+    sun_itrf_m: DVec3,
+    ellipsoid: &Ellipsoid,
+) -> [f64; 2] {
+    match Discs::seen_from(position_itrf_m, sun_itrf_m, ellipsoid) {
+        Ok(discs) => discs.margins(),
+        Err(Illumination::Umbra) => [-PI; 2],
+        Err(_) => [PI; 2],
+    }
+}
+
+/// The discs of the Sun and the Earth, radians.
+struct Discs {
+    /// Radius of the Sun's.
+    sun: f64,
+    /// Radius of the Earth's towards the Sun.
+    earth: f64,
+    /// From centre to centre.
+    apart: f64,
+}
+
+impl Discs {
+    /// Where there are no discs, the state is the error.
+    fn seen_from(
+        position_itrf_m: DVec3,
+        sun_itrf_m: DVec3,
+        ellipsoid: &Ellipsoid,
+    ) -> Result<Self, Illumination> {
+        let to_sun = sun_itrf_m - position_itrf_m;
+        let sun = (SUN_RADIUS_M / to_sun.length()).asin();
+        // The transformation to the unit sphere preserves planes and tangents.
+        let scale = ellipsoid.itrf_from_scaled();
+        let (eye, towards) = (position_itrf_m / scale, to_sun / scale);
+        if eye.length_squared() < 1.0 {
+            return Err(Illumination::Umbra);
+        }
+        if to_sun.length() <= SUN_RADIUS_M {
+            return Err(Illumination::Sunlit);
+        }
+        let down = -eye.normalize();
+        let aside = towards - down * towards.dot(down);
+        let aside = aside.normalize_or(down.any_orthonormal_vector());
+        let sine = eye.length().recip();
+        let limb = (down * (1.0 - sine * sine).sqrt() + aside * sine) * scale;
+        let earth = limb.angle_between(-position_itrf_m);
+        let apart = to_sun.angle_between(-position_itrf_m);
+        Ok(Self { sun, earth, apart })
+    }
+
+    /// Towards the penumbra and the umbra.
+    fn margins(&self) -> [f64; 2] {
+        [
+            self.apart - (self.sun + self.earth),
+            self.apart - (self.earth - self.sun),
+        ]
+    }
 }
 
 /// Share of a disc of angular radius `a` that one of radius `b` leaves free, centres `c` apart (Montenbruck & Gill 2000,
@@ -115,6 +164,29 @@ mod tests {
         let (state, share) = at(DVec3::new(-1e7, 6_378_137.0, 0.0));
         assert_eq!(state, Illumination::Penumbra);
         assert!((0.48..0.52).contains(&share), "{share}");
+    }
+
+    /// Margins have the signs of the states, and are continuous across them.
+    #[test]
+    fn margins_are_negative_inside_the_shadow() {
+        let mut before: Option<[f64; 2]> = None;
+        for metre in 0..40_000 {
+            let place = DVec3::new(-1e7, 6.33e6 + 2.5 * f64::from(metre), 0.0);
+            let margins = shadow_margins_rad(place, SUN, &Ellipsoid::WGS84);
+            let state = match margins.map(|margin| margin < 0.0) {
+                [false, _] => Illumination::Sunlit,
+                [true, false] => Illumination::Penumbra,
+                [true, true] => Illumination::Umbra,
+            };
+            assert_eq!(state, at(place).0, "{place} {margins:?}");
+            if let Some([penumbra, umbra]) = before {
+                let steps = [margins[0] - penumbra, margins[1] - umbra];
+                assert!(steps.iter().all(|step| step.abs() < 1e-6), "{steps:?}");
+            }
+            before = Some(margins);
+        }
+        let margins = shadow_margins_rad(DVec3::X, SUN, &Ellipsoid::WGS84);
+        assert!(margins.iter().all(|margin| *margin < 0.0));
     }
 
     #[test]

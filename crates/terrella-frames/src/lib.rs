@@ -23,7 +23,9 @@ pub use calendar::Calendar;
 pub use ccsds::{TimeScale, ccsds_time, epoch_from_ccsds, epoch_from_tdb};
 pub use earth_orientation::{EarthOrientation, EarthOrientationError};
 pub use eclipse::uncovered;
-pub use eclipse::{Illumination, SUN_RADIUS_M, illumination, sun_position_itrf_m};
+pub use eclipse::{
+    Illumination, SUN_RADIUS_M, illumination, shadow_margins_rad, sun_position_itrf_m,
+};
 pub use ellipsoid::{Ellipsoid, Geodetic};
 pub use hifitime::{Duration, Epoch};
 pub use moon::{MOON_RADIUS_M, moon_from_gcrf, moon_position_gcrf_m};
