@@ -14,6 +14,7 @@
 //! | parse dates in any form of ISO 8601 | `iso8601.rs` |
 //! | receive states from a simulator | [`live`] |
 //! | find passes over a place | `passes.rs` |
+//! | find eclipses, nodes and apsides of any motion | `event_search.rs` |
 //! | transform a state vector between frames | `state.rs` |
 //! | detect the format of a file | `recognise.rs` |
 //! | find the validity of a feed | [`Feed::validity`], `validity.rs` |
@@ -43,6 +44,7 @@ mod entry;
 mod ephemerides;
 mod ephemeris_csv;
 mod error;
+mod event_search;
 mod field_of_view;
 mod file;
 mod found;
@@ -88,6 +90,7 @@ pub use cut::CutOff;
 pub use entry::{RecordError, RecordFault};
 pub use ephemerides::Ephemerides;
 pub use error::{LineFault, OrbitError};
+pub use event_search::{MotionEvent, MotionEventKind, SoughtEvents, motion_events};
 pub use field_of_view::{AimedField, EDGE_POINTS, FieldOfView, FieldShape};
 pub use interpolated::EphemerisFeed;
 pub use mean_elements::MeanElements;
