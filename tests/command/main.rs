@@ -8,6 +8,7 @@ mod basilisk;
 mod bench;
 mod captions;
 mod dated_maps;
+mod events;
 mod film_inputs;
 mod film_light;
 mod films;

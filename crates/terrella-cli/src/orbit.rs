@@ -47,8 +47,8 @@ pub struct OrbitArgs {
     /// With --passes: minimum elevation above the horizon, degrees
     #[arg(long, value_name = "DEGREES", value_parser = values::elevation_deg, default_value = "10", requires = "passes")]
     min_elevation: f64,
-    /// With --passes: number of days from the scene's start, as far as the orbit is valid
-    #[arg(long, value_name = "N", value_parser = values::days, requires = "passes")]
+    /// With --passes or --events: number of days from the scene's start, as far as the orbit is valid [default: to the scene's end]
+    #[arg(long, value_name = "N", value_parser = values::days, conflicts_with_all = ["every", "at", "frame", "oem", "omm", "names"])]
     days: Option<f64>,
     /// With --passes: standard magnitude of the satellite, at 1000 km and half lit; prints how bright it is where it is visible
     #[arg(long, value_name = "MAGNITUDE", value_parser = values::magnitude, allow_hyphen_values = true, requires = "passes")]
@@ -59,7 +59,7 @@ pub struct OrbitArgs {
         conflicts_with_all = ["csv", "json"]
     )]
     time_zone: Option<i32>,
-    /// Print the events of numerical propagation: those that `events` under [orbit] names, and impacts
+    /// Print events: entry into the Earth's penumbra and umbra, exit, nodes and apsides; of numerical propagation also what it finds
     #[arg(long, conflicts_with_all = ["every", "at", "frame", "oem", "omm", "passes"])]
     events: bool,
     /// List all satellites, with catalogue number or designator, and the time span of each
@@ -124,8 +124,11 @@ pub fn run(args: &OrbitArgs, common: &Common) -> anyhow::Result<()> {
     };
     let satellites = select(&flight, selection)?;
     if args.events {
-        let tables = satellites.into_iter().map(EventTable::new);
-        let tables = tables.collect::<Result<Vec<_>, _>>()?;
+        let length = args.days.map(Duration::from_days);
+        let tables = satellites
+            .into_iter()
+            .map(|satellite| EventTable::new(&flight, satellite, length))
+            .collect::<Result<Vec<_>, _>>()?;
         return print(&EventTable::print(&tables, layout));
     }
     if let Some(place) = args.passes {

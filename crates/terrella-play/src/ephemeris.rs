@@ -1,6 +1,7 @@
 //! Where a scene's satellites are: tables for people and programs, and messages for other programs.
 
 use super::stretches::stretches;
+use super::table_span::reject_live;
 use super::{Flight, PlayError, Satellite};
 use std::fmt::Write;
 use std::path::Path;
@@ -126,14 +127,7 @@ impl<'f> Ephemeris<'f> {
         satellite: &'f Satellite,
         request: &EphemerisRequest,
     ) -> Result<Self, PlayError> {
-        if let Some(feed) = satellite.live() {
-            return Err(PlayError::Live {
-                scene: flight.scene().path.clone(),
-                listens_on: feed.options().transport.to_string(),
-                work: "its states are known when they come, not before",
-                remedy: "have the simulator write them down, or choose another satellite by --satellite",
-            });
-        }
+        reject_live(flight, satellite)?;
         let frame = request.axes.frame();
         let mut states = Vec::new();
         let mut unknown = Vec::new();

@@ -281,11 +281,6 @@ pub enum PlayError {
         /// The remedy.
         remedy: String,
     },
-    /// Events of a motion that is not integrated.
-    #[error(
-        "{satellite} has no events: they are found where motion is integrated; write source = \"numerical\", and what to look for with events = [\"nodes\", \"apsides\", \"eclipses\"] in [orbit]"
-    )]
-    NoEvents { satellite: String },
     /// The scene's ladder of quality.
     #[error("{}: {problem}; give a ladder.csv that `terrella report SCENE --quality` wrote, or leave `ladder` out of [quality]", path.display())]
     Ladder {
@@ -337,7 +332,6 @@ impl PlayError {
                 | Self::Live { .. }
                 | Self::NoElements { .. }
                 | Self::Ladder { .. }
-                | Self::NoEvents { .. }
                 | Self::Orbit(
                     OrbitError::OutsideValidity { .. }
                         | OrbitError::NotCovered { .. }

@@ -19,7 +19,8 @@
 //! | `coverage_map`, `coverage_cells` | how the sensors of satellites cover the ground |
 //! | `coverage_layer`, `coverage_scale` | the same as a map on the globe; its colours and classes |
 //! | `pass_table` | when they pass over a place |
-//! | `event_table` | what was found along integrated motions |
+//! | `event_table` | their eclipses, nodes and apsides, and what was found along integrated motions |
+//! | `table_span` | the time of such a table |
 //! | `maps` | the scene's maps: a folder or a pack |
 //! | `colours` | colour spaces of their files |
 //! | `dated_maps/` | maps that change with the date |
@@ -202,6 +203,7 @@ mod stretches;
 mod surface;
 #[cfg(feature = "window")]
 mod switches;
+mod table_span;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod text_overlay;
 #[cfg(feature = "window")]

@@ -1,6 +1,7 @@
 //! When a scene's satellite passes over a place: tables for people and programs.
 
 use super::ephemeris::Layout;
+use super::table_span::table_span;
 use super::{Flight, PlayError, Satellite};
 use std::fmt::Write;
 use terrella::frames::{Duration, Epoch, Geodetic, rfc3339, rfc3339_with_offset};
@@ -69,13 +70,7 @@ impl<'f> PassTable<'f> {
         satellite: &'f Satellite,
         request: &PassRequest,
     ) -> Result<Self, PlayError> {
-        let (first, last) = flight.scene().time.span(request.length);
-        let known = satellite.feed().validity();
-        let span = (first.max(known.0), last.min(known.1));
-        if span.0 > span.1 {
-            // The error states the validity.
-            satellite.feed().state_at(first)?;
-        }
+        let span = table_span(flight, satellite, request.length)?;
         let orientation = |epoch| flight.orientation_at(epoch);
         let min_elevation_rad = request.min_elevation_rad;
         let observer = Observer::new(
