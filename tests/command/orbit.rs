@@ -42,7 +42,7 @@ fn csv_reads_back_bit_for_bit_in_every_frame() {
         assert_eq!(
             lines.next(),
             Some(
-                "name,frame,epoch_utc,x_km,y_km,z_km,vx_km_s,vy_km_s,vz_km_s,lat_deg,lon_deg,height_km,error_m"
+                "name,frame,epoch_utc,x_km,y_km,z_km,vx_km_s,vy_km_s,vz_km_s,lat_deg,lon_deg,height_km,error_m,light"
             )
         );
         let feed = read_table(&text);
@@ -99,6 +99,21 @@ fn one_instant_is_printed_in_words_and_json() {
     assert!((x - meant.x).abs() < 1e-9, "{x}");
     let lat = format!("{:.6}", state["lat_deg"].as_f64().expect("a number"));
     assert!(row.contains(&lat), "{lat} is not in {row}");
+}
+
+#[test]
+fn csv_has_the_light_of_the_text() {
+    let place = Place::new();
+    // A revolution.
+    place.scene("iss.toml", "[time]\nduration_s = 6000\n");
+    let csv = place.printed(&["orbit", "iss.toml", "--csv"]);
+    let text = place.printed(&["orbit", "iss.toml"]);
+    let light = |row: &str| row.rsplit([',', ' ']).next().map(str::to_owned);
+    let [csv, text] = [&csv, &text].map(|all| all.lines().skip(1).map(light).collect::<Vec<_>>());
+    assert_eq!(csv, text);
+    for expected in ["umbra", "sunlit"] {
+        assert!(csv.contains(&Some(expected.to_owned())), "{csv:?}");
+    }
 }
 
 #[test]
@@ -186,7 +201,7 @@ fn every_source_has_a_scene_that_flies() {
         let heights = text
             .lines()
             .skip(1)
-            .filter_map(|row| row.rsplit(',').nth(1)?.parse().ok());
+            .filter_map(|row| row.rsplit(',').nth(2)?.parse().ok());
         let heights: Vec<f64> = heights.collect();
         assert!(heights.len() > 40, "{name}: {} rows", heights.len());
         assert!(

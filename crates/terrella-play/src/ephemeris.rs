@@ -169,13 +169,15 @@ impl<'f> Ephemeris<'f> {
     /// Ephemerides as one text, in one of the layouts: tables one after the other, rows under one header, or an object for
     /// one and an array for more.
     pub fn print(all: &[Self], layout: Layout) -> String {
-        layout.print(all, csv_header(), Self::text, Self::csv_rows, Self::json)
+        let csv_header = format!("{},light\n", csv_header().trim_end());
+        layout.print(all, &csv_header, Self::text, Self::csv_rows, Self::json)
     }
 
     fn csv_rows(&self) -> String {
         let rows = self.states.iter().map(|state| {
             let error_m = self.satellite.feed().error_m(state.epoch);
-            csv_row(self.satellite.name(), state, &self.place(state), error_m)
+            let row = csv_row(self.satellite.name(), state, &self.place(state), error_m);
+            format!("{},{}\n", row.trim_end(), self.illumination(state).0.name())
         });
         rows.collect()
     }
