@@ -44,6 +44,7 @@ mod simulators;
 #[path = "../common/small_maps.rs"]
 mod small_maps;
 mod start;
+mod states;
 mod terrain;
 mod truth;
 mod usage;

@@ -8,7 +8,7 @@ use terrella::frames::{Duration, Epoch, Geodetic, rfc3339};
 use terrella_orbit::{Frame, Header, VisibilityRule};
 use terrella_play::{
     Axes, Ephemeris, EphemerisRequest, EventTable, Flight, Layout, OutputError, PassRequest,
-    PassTable, PendingFile, Selection, Span, names, omm, select,
+    PassTable, PendingFile, Selection, Span, early_end, names, omm, select,
 };
 
 /// Arguments of `terrella orbit`.
@@ -16,9 +16,12 @@ use terrella_play::{
 pub struct OrbitArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Seconds between states, from the scene's start to its end
+    /// Seconds between states, from the scene's start on
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds, default_value = "60", conflicts_with = "at")]
     every: f64,
+    /// Also print the state at the end if --every does not meet it; --oem always writes that
+    #[arg(long, conflicts_with_all = ["at", "passes", "events", "names"])]
+    include_end: bool,
     /// Print only the state at this time, or now
     #[arg(long, value_name = "UTC", value_parser = values::instant)]
     at: Option<Epoch>,
@@ -47,8 +50,8 @@ pub struct OrbitArgs {
     /// With --passes: minimum elevation above the horizon, degrees
     #[arg(long, value_name = "DEGREES", value_parser = values::elevation_deg, default_value = "10", requires = "passes")]
     min_elevation: f64,
-    /// With --passes or --events: number of days from the scene's start, as far as the orbit is valid [default: to the scene's end]
-    #[arg(long, value_name = "N", value_parser = values::days, conflicts_with_all = ["every", "at", "frame", "oem", "omm", "names"])]
+    /// Number of days from the scene's start, as far as the orbit is valid [default: to the scene's end]
+    #[arg(long, value_name = "N", value_parser = values::days, conflicts_with_all = ["at", "names"])]
     days: Option<f64>,
     /// With --passes: standard magnitude of the satellite, at 1000 km and half lit; prints how bright it is where it is visible
     #[arg(long, value_name = "MAGNITUDE", value_parser = values::magnitude, allow_hyphen_values = true, requires = "passes")]
@@ -123,8 +126,14 @@ pub fn run(args: &OrbitArgs, common: &Common) -> anyhow::Result<()> {
         (false, names) => Selection::Named(names),
     };
     let satellites = select(&flight, selection)?;
+    let length = args.days.map(Duration::from_days);
+    if args.days.is_some() || args.passes.is_some() || args.events {
+        let ends = satellites.iter();
+        for end in ends.filter_map(|satellite| early_end(&flight, satellite, length)) {
+            tracing::warn!("{end}");
+        }
+    }
     if args.events {
-        let length = args.days.map(Duration::from_days);
         let tables = satellites
             .into_iter()
             .map(|satellite| EventTable::new(&flight, satellite, length))
@@ -135,7 +144,7 @@ pub fn run(args: &OrbitArgs, common: &Common) -> anyhow::Result<()> {
         let request = PassRequest {
             place,
             min_elevation_rad: args.min_elevation.to_radians(),
-            length: args.days.map(Duration::from_days),
+            length,
             visibility: VisibilityRule {
                 standard_magnitude: args.standard_magnitude,
                 ..VisibilityRule::default()
@@ -155,7 +164,12 @@ pub fn run(args: &OrbitArgs, common: &Common) -> anyhow::Result<()> {
     let request = EphemerisRequest {
         span: match args.at {
             Some(epoch) => Span::At(epoch),
-            None => Span::Every(Duration::from_seconds(args.every)),
+            None => Span::Every {
+                step: Duration::from_seconds(args.every),
+                length,
+                // The readers of a message know nothing beyond its last state.
+                has_end: args.include_end || oem_file.is_some(),
+            },
         },
         axes: args.frame.axes(),
         where_known: args.all,

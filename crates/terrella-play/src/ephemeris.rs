@@ -22,8 +22,15 @@ const MAX_ROWS: u64 = 1_000_000;
 pub enum Span {
     /// One.
     At(Epoch),
-    /// From the scene's first instant to its last, which is always one of them, a step apart.
-    Every(Duration),
+    /// From the scene's first instant on, a step apart.
+    Every {
+        /// The step.
+        step: Duration,
+        /// The length, as far as the satellite is known; `None` is to the scene's last instant.
+        length: Option<Duration>,
+        /// Whether the last instant is one of them even if it is not a whole number of steps from the first.
+        has_end: bool,
+    },
 }
 
 /// The axes of the states.
@@ -131,7 +138,7 @@ impl<'f> Ephemeris<'f> {
         let frame = request.axes.frame();
         let mut states = Vec::new();
         let mut unknown = Vec::new();
-        for epoch in epochs(flight, request.span)? {
+        for epoch in epochs(flight, satellite, request.span)? {
             match satellite.feed().state_at(epoch) {
                 Ok(state) => states.push(state.in_frame(frame, &flight.orientation_at(epoch))),
                 Err(error) if request.where_known => unknown.push(error),
@@ -393,13 +400,20 @@ pub fn select<'f>(
 }
 
 /// In the order of time, whichever way the scene is played.
-fn epochs(flight: &Flight, span: Span) -> Result<Vec<Epoch>, PlayError> {
-    let step = match span {
+fn epochs(flight: &Flight, satellite: &Satellite, span: Span) -> Result<Vec<Epoch>, PlayError> {
+    let (step, length, has_end) = match span {
         Span::At(epoch) => return Ok(vec![epoch]),
-        Span::Every(step) => step,
+        Span::Every {
+            step,
+            length,
+            has_end,
+        } => (step, length, has_end),
     };
-    let time = &flight.scene().time;
-    let (first, last) = (time.start.min(time.end()), time.start.max(time.end()));
+    let (first, mut last) = flight.scene().time.span(length);
+    if length.is_some() {
+        // A satellite that is not known at the beginning has the error of its first state.
+        last = last.min(satellite.feed().validity().1).max(first);
+    }
     let (length_ns, step_ns) = (
         (last - first).total_nanoseconds(),
         step.total_nanoseconds().max(1),
@@ -415,7 +429,7 @@ fn epochs(flight: &Flight, span: Span) -> Result<Vec<Epoch>, PlayError> {
     let mut epochs: Vec<_> = (0..=steps)
         .map(|k| first + Duration::from_total_nanoseconds(k * step_ns))
         .collect();
-    if epochs.last().is_some_and(|epoch| *epoch < last) {
+    if has_end && epochs.last().is_some_and(|epoch| *epoch < last) {
         epochs.push(last);
     }
     Ok(epochs)

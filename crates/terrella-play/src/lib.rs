@@ -263,6 +263,7 @@ pub use scene_files::{SceneFile, scene_files};
 pub use stats::{EyePosition, PictureStats, ReliefStats, SatelliteLight, SubsolarPoint, TileStats};
 #[cfg(feature = "window")]
 pub use still::{StillRequest, write_still};
+pub use table_span::early_end;
 #[cfg(feature = "window")]
 pub use tracks::{TrackDetail, TracksLayer};
 #[cfg(feature = "window")]
