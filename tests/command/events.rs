@@ -33,9 +33,11 @@ fn epoch(text: &str) -> Epoch {
 fn eclipses_of_elements_are_those_of_skyfield() {
     let place = Place::new();
     let tle = config("orbits/iss.tle");
-    let start = "time.start=2018-01-20T20:00:00Z";
+    let start = "2018-01-20T20:00:00Z";
     let ask = |more: &[&str]| {
-        let asked = ["orbit", &tle, "--set", start, "--events", "--days", "0.19"];
+        let asked = [
+            "orbit", &tle, "--start", start, "--events", "--days", "0.19",
+        ];
         place.printed(&[&asked[..], more].concat())
     };
     let csv = ask(&["--csv"]);

@@ -140,6 +140,29 @@ fn visible_times_are_printed_in_every_layout() {
 }
 
 #[test]
+fn start_moves_tables_and_is_named_where_at_has_no_meaning() {
+    let place = Place::new();
+    place.scene("iss.toml", "[time]\nduration_s = 1800\n");
+    let start = ["orbit", "iss.toml", "--start", "2018-01-16T00:00:00Z"];
+    let passes = ["--passes", "48.2,16.4"];
+    let text = place.printed(&[&start[..], &passes].concat());
+    assert!(
+        text.contains("2018-01-16T00:00:00.000Z to 2018-01-16T00:30:00.000Z"),
+        "{text}"
+    );
+    let text = place.printed(&[&start[..], &["--csv"]].concat());
+    let row = text.lines().nth(1).expect("a row");
+    assert!(row.contains(",2018-01-16T00:00:00"), "{row}");
+    // The built-in station has a stand-in at other dates.
+    place.printed(&[&["orbit", "iss.toml", "--start", "now"], &passes[..]].concat());
+    for more in [&passes[..], &["--events"], &["--days", "2"]] {
+        let told = place.fail(2, &[&["orbit", "iss.toml", "--at", "now"], more].concat());
+        assert!(told.contains("--start now"), "{told}");
+    }
+    place.fail(2, &[&start[..], &["--at", "now"]].concat());
+}
+
+#[test]
 fn what_is_no_place_or_no_time_is_rejected() {
     let place = Place::new();
     place.scene("iss.toml", "[time]\nduration_s = 1800\n");

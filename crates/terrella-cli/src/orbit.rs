@@ -1,7 +1,8 @@
 //! `terrella orbit`
 
-use super::scene_args::{SceneArgs, open_flight};
-use super::{Common, print, values};
+use super::scene_args::{SceneArgs, begin, open_flight};
+use super::{Common, print, reject_usage, values};
+use clap::error::ErrorKind;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use terrella::frames::{Duration, Epoch, Geodetic, rfc3339};
@@ -11,11 +12,17 @@ use terrella_play::{
     PassTable, PendingFile, Selection, Span, early_end, names, omm, select,
 };
 
+/// The command's name.
+const NAME: &str = "orbit";
+
 /// Arguments of `terrella orbit`.
 #[derive(Debug, Args)]
 pub struct OrbitArgs {
     #[command(flatten)]
     scene: SceneArgs,
+    /// Start time, for example 2026-11-25T05:00:00Z, or now [default: the scene's]
+    #[arg(long, value_name = "TIME", value_parser = values::instant, conflicts_with = "names")]
+    start: Option<Epoch>,
     /// Seconds between states, from the scene's start on
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds, default_value = "60", conflicts_with = "at")]
     every: f64,
@@ -23,7 +30,7 @@ pub struct OrbitArgs {
     #[arg(long, conflicts_with_all = ["at", "passes", "events", "names"])]
     include_end: bool,
     /// Print only the state at this time, or now
-    #[arg(long, value_name = "UTC", value_parser = values::instant)]
+    #[arg(long, value_name = "TIME", value_parser = values::instant)]
     at: Option<Epoch>,
     /// Reference frame of positions and velocities, or geodetic coordinates
     #[arg(long, value_enum, default_value_t = FrameName::Itrf)]
@@ -44,14 +51,14 @@ pub struct OrbitArgs {
     /// height in metres above the ellipsoid
     #[arg(
         long, value_name = "LAT,LON[,HEIGHT]", value_parser = values::place, allow_hyphen_values = true,
-        conflicts_with_all = ["every", "at", "frame", "oem", "omm"]
+        conflicts_with_all = ["every", "frame", "oem", "omm"]
     )]
     passes: Option<Geodetic>,
     /// With --passes: minimum elevation above the horizon, degrees
     #[arg(long, value_name = "DEGREES", value_parser = values::elevation_deg, default_value = "10", requires = "passes")]
     min_elevation: f64,
     /// Number of days from the scene's start, as far as the orbit is valid [default: to the scene's end]
-    #[arg(long, value_name = "N", value_parser = values::days, conflicts_with_all = ["at", "names"])]
+    #[arg(long, value_name = "N", value_parser = values::days, conflicts_with = "names")]
     days: Option<f64>,
     /// With --passes: standard magnitude of the satellite, at 1000 km and half lit; prints how bright it is where it is visible
     #[arg(long, value_name = "MAGNITUDE", value_parser = values::magnitude, allow_hyphen_values = true, requires = "passes")]
@@ -63,7 +70,7 @@ pub struct OrbitArgs {
     )]
     time_zone: Option<i32>,
     /// Print events: entry into the Earth's penumbra and umbra, exit, nodes and apsides; of numerical propagation also what it finds
-    #[arg(long, conflicts_with_all = ["every", "at", "frame", "oem", "omm", "passes"])]
+    #[arg(long, conflicts_with_all = ["every", "frame", "oem", "omm", "passes"])]
     events: bool,
     /// List all satellites, with catalogue number or designator, and the time span of each
     #[arg(long, conflicts_with_all = ["every", "at", "frame", "oem", "omm", "passes", "events", "satellite"])]
@@ -108,12 +115,16 @@ impl FrameName {
 
 /// Prints states or passes, or writes messages.
 pub fn run(args: &OrbitArgs, common: &Common) -> anyhow::Result<()> {
+    reject_conflicts(args);
     // Create the files before any computation, so that a file that cannot be written fails at once.
     let oem_file = pending(args.oem.as_ref(), "ephemeris messages", "oem")?;
     let omm_file = pending(args.omm.as_ref(), "element messages", "omm")?;
     let mut scene = args.scene.load(&args.satellite)?;
     if args.all || args.names {
         scene.take_all();
+    }
+    if let Some(start) = args.start {
+        begin(NAME, &mut scene, start)?;
     }
     let flight = open_flight(scene, Flight::open_without_listening)?;
     let layout = Layout::of(args.csv, args.json);
@@ -210,6 +221,28 @@ pub fn run(args: &OrbitArgs, common: &Common) -> anyhow::Result<()> {
     match oem_file {
         Some(file) => write_oem(file, &ephemerides, &header, common.quiet),
         None => print(&Ephemeris::print(&ephemerides, layout)),
+    }
+}
+
+/// Ends the program, as clap does, where --at has no meaning: the error names --start.
+fn reject_conflicts(args: &OrbitArgs) {
+    let others = [
+        ("--passes", args.passes.is_some()),
+        ("--events", args.events),
+        ("--days", args.days.is_some()),
+        ("--start", args.start.is_some()),
+    ];
+    let other = others.into_iter().find(|(_, is_given)| *is_given);
+    if let (Some((name, _)), Some(_)) = (other, args.at) {
+        let message = match name {
+            "--start" => "--at conflicts with --start: it prints one state".to_owned(),
+            name => {
+                format!(
+                    "--at prints one state and conflicts with {name}; give its first time by --start, for example --start now"
+                )
+            }
+        };
+        reject_usage(NAME, ErrorKind::ArgumentConflict, message)
     }
 }
 

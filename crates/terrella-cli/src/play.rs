@@ -3,7 +3,7 @@
 use super::interruption::{do_first, stop_by_itself};
 use super::picture_args::PictureArgs;
 use super::progress::Bars;
-use super::scene_args::{SatelliteArgs, SceneArgs, open_flight};
+use super::scene_args::{SatelliteArgs, SceneArgs, begin, open_flight};
 use super::serve::simulation_scene;
 use super::values;
 use super::{Common, reject_usage};
@@ -138,11 +138,7 @@ pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
     };
     args.satellites.reject_scenes(NAME, &scene);
     if let Some(start) = args.start {
-        if scene.is_live() {
-            let message = "--start has no effect in this scene: the simulator sets the time";
-            reject_usage(NAME, ErrorKind::ArgumentConflict, message);
-        }
-        scene.begin(start)?;
+        begin(NAME, &mut scene, start)?;
     }
     let flight = open_flight(scene, Flight::open)?;
     // Whoever waits is answered before the program ends.

@@ -4,6 +4,7 @@ use super::reject_usage;
 use clap::Args;
 use clap::error::ErrorKind;
 use std::path::{Path, PathBuf};
+use terrella::frames::Epoch;
 use terrella_orbit::OrbitError;
 use terrella_play::scene::{Scene, SceneError, Setting};
 use terrella_play::{Flight, PlayError, Satellite, Selection, select};
@@ -108,6 +109,15 @@ pub fn load(
         scene.read_strictly();
     }
     Ok(scene)
+}
+
+/// Starts a scene at the time of --start. Exits, as clap does, if a simulator sets the time.
+pub fn begin(command: &str, scene: &mut Scene, start: Epoch) -> Result<(), SceneError> {
+    if scene.is_live() {
+        let message = "--start has no effect in this scene: the simulator sets the time";
+        reject_usage(command, ErrorKind::ArgumentConflict, message)
+    }
+    scene.begin(start)
 }
 
 /// Opens a scene with `open`. If an orbit file has several satellites, the error names the option that selects one.
