@@ -137,6 +137,14 @@ fn visible_times_are_printed_in_every_layout() {
         text.contains("  visible ") && !text.contains("magnitude"),
         "{text}"
     );
+    // Its peak is magnitude −1.57.
+    let text = ask(&[&bright[..], &["--max-magnitude", "-1.5"]].concat());
+    assert!(text.contains("  visible "), "{text}");
+    let text = ask(&[&bright[..], &["--max-magnitude", "-1.7"]].concat());
+    assert!(
+        !text.contains("  visible ") && text.contains("fainter than magnitude -1.7"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -175,6 +183,7 @@ fn what_is_no_place_or_no_time_is_rejected() {
         &["--min-elevation", "5"],
         &["--standard-magnitude", "-1.8"],
         &["--passes", "48.2,16.4", "--standard-magnitude", "bright"],
+        &["--passes", "48.2,16.4", "--max-magnitude", "4"],
         &["--passes", "48.2,16.4", "--time-zone", "CET"],
         &["--passes", "48.2,16.4", "--time-zone", "+01:00", "--csv"],
     ] {

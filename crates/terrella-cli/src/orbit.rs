@@ -47,8 +47,8 @@ pub struct OrbitArgs {
     /// Write an orbit mean-elements message (CCSDS OMM) instead of printing: of the satellites that --satellite names, or of all
     #[arg(long, value_name = "FILE", conflicts_with_all = ["at", "csv", "json"])]
     omm: Option<PathBuf>,
-    /// Print the passes over a place, and when the satellite is visible, from the scene's start to its end: latitude and longitude in degrees, south and west negative, and
-    /// height in metres above the ellipsoid
+    /// Print the passes over a place, from the scene's start to its end: latitude and longitude in degrees, south and west negative, and
+    /// height in metres above the ellipsoid. A satellite is visible while it is outside the umbra and the Sun is more than 6° below the horizon, however faint it is
     #[arg(
         long, value_name = "LAT,LON[,HEIGHT]", value_parser = values::place, allow_hyphen_values = true,
         conflicts_with_all = ["every", "frame", "oem", "omm"]
@@ -63,6 +63,9 @@ pub struct OrbitArgs {
     /// With --passes: standard magnitude of the satellite, at 1000 km and half lit; prints how bright it is where it is visible
     #[arg(long, value_name = "MAGNITUDE", value_parser = values::magnitude, allow_hyphen_values = true, requires = "passes")]
     standard_magnitude: Option<f64>,
+    /// With --standard-magnitude: only passes that reach this magnitude or a brighter one, which is a smaller number, are visible
+    #[arg(long, value_name = "MAGNITUDE", value_parser = values::magnitude, allow_hyphen_values = true, requires = "standard_magnitude")]
+    max_magnitude: Option<f64>,
     /// With --passes: time zone of the printed times, as an offset from UTC
     #[arg(
         long, value_name = "±HH:MM", value_parser = values::time_zone_min, allow_hyphen_values = true, requires = "passes",
@@ -160,6 +163,7 @@ pub fn run(args: &OrbitArgs, common: &Common) -> anyhow::Result<()> {
                 standard_magnitude: args.standard_magnitude,
                 ..VisibilityRule::default()
             },
+            max_magnitude: args.max_magnitude,
             time_zone_min: args.time_zone.unwrap_or_default(),
         };
         let tables = satellites

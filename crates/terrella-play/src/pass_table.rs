@@ -27,6 +27,8 @@ pub struct PassRequest {
     pub length: Option<Duration>,
     /// When the satellite counts as visible in a pass.
     pub visibility: VisibilityRule,
+    /// Largest magnitude at the brightest instant of a visible time, if one is estimated; `None` is any.
+    pub max_magnitude: Option<f64>,
     /// The time zone of texts, minutes east of UTC.
     pub time_zone_min: i32,
 }
@@ -38,6 +40,7 @@ pub struct PassTable<'f> {
     min_elevation_rad: f64,
     span: (Epoch, Epoch),
     rows: Vec<Row>,
+    max_magnitude: Option<f64>,
     time_zone_min: i32,
 }
 
@@ -88,15 +91,15 @@ impl<'f> PassTable<'f> {
                 let pass = pass?;
                 let at = [pass.begin, pass.highest, pass.end];
                 let [begin, highest, end] = at.map(bearing);
+                let mut visible =
+                    visible_intervals(satellite.feed(), &observer, &pass, &request.visibility)?;
+                if let Some(most) = request.max_magnitude {
+                    visible.retain(|one| one.brightest.is_none_or(|(_, least)| least <= most));
+                }
                 Ok(Row {
                     pass,
                     stands: [begin?, highest?, end?],
-                    visible: visible_intervals(
-                        satellite.feed(),
-                        &observer,
-                        &pass,
-                        &request.visibility,
-                    )?,
+                    visible,
                 })
             })
             .collect::<Result<Vec<_>, PlayError>>()?;
@@ -106,6 +109,7 @@ impl<'f> PassTable<'f> {
             min_elevation_rad,
             span,
             rows,
+            max_magnitude: request.max_magnitude,
             time_zone_min: request.time_zone_min,
         })
     }
@@ -186,7 +190,11 @@ impl<'f> PassTable<'f> {
             }
         }
         if self.rows.iter().all(|row| row.visible.is_empty()) {
-            text += "visible in none of them: the satellite is in the Earth's shadow, or the sky is not dark\n";
+            text += "visible in none of them: the satellite is in the Earth's shadow, or the sky is not dark";
+            if let Some(most) = self.max_magnitude {
+                let _ = write!(text, ", or it is fainter than magnitude {most}");
+            }
+            text.push('\n');
         }
         text
     }
