@@ -79,6 +79,68 @@ fn accesses_are_passes_and_the_same_in_every_layout() {
     );
 }
 
+/// A file of elements has no tables: stations come from the command line.
+#[test]
+fn places_of_the_command_line_are_stations() {
+    let place = Place::new();
+    let tle = format!("{}/config/orbits/iss.tle", crate::REPOSITORY);
+    let told = place.fail(2, &["access", &tle]);
+    for remedy in ["--place LAT,LON,NAME", "[[station]]", "--crosslinks"] {
+        assert!(told.contains(remedy), "{told}");
+    }
+    let ask = |more: &[&str]| {
+        let asked = ["access", &tle, "--days", "1"];
+        place.printed(&[&asked[..], more].concat())
+    };
+    let two = ["--place", "48.2,16.4,170,Vienna", "--place", "-33.5,-70.25"];
+    let text = ask(&two);
+    for head in [
+        "Vienna to ISS (ZARYA), more than 5° above",
+        "-33.5,-70.25 to ISS (ZARYA), more",
+    ] {
+        assert!(text.contains(head), "{text}");
+    }
+    let json = ask(&[&two[..2], &["--min-elevation", "20", "--json"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!(json["min_elevation_deg"], 20.0);
+    // As a table of the scene.
+    place.scene("a.toml", SCENE);
+    let of_scene = place.printed(&[
+        "access",
+        "a.toml",
+        "--satellite",
+        "ISS (ZARYA)",
+        "--days",
+        "1",
+        "--csv",
+    ]);
+    let of_place = place.printed(&[
+        "access",
+        "a.toml",
+        "--satellite",
+        "ISS (ZARYA)",
+        "--days",
+        "1",
+        "--csv",
+        "--place",
+        "48.2,16.4,170,Again",
+        "--min-elevation",
+        "20",
+    ]);
+    let of = |text: &str, name: &str| -> Vec<String> {
+        let rows = text.lines().filter(|row| row.starts_with(name));
+        rows.filter_map(|row| Some(row.split_once(',')?.1.to_owned()))
+            .collect()
+    };
+    assert!(!of(&of_scene, "Vienna,").is_empty());
+    assert_eq!(of(&of_scene, "Vienna,"), of(&of_place, "Again,"));
+    for bad in ["91,0,Vienna", "48.2", "48.2,16.4,", "48.2,16.4,1e9,High"] {
+        let told = place.fail(2, &["access", &tle, "--place", bad]);
+        assert!(told.contains("--place"), "{told}");
+    }
+    place.fail(2, &["access", &tle, "--min-elevation", "5"]);
+}
+
 /// The table has the numbers of the cells, and a scene draws the map.
 #[test]
 fn coverage_is_printed_by_latitude_and_by_cell_and_drawn() {

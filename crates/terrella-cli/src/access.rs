@@ -3,7 +3,7 @@
 use super::scene_args::{SceneArgs, SelectionArgs};
 use super::{Common, print, values};
 use clap::Args;
-use terrella::frames::Duration;
+use terrella::frames::{Duration, Geodetic};
 use terrella_orbit::AccessRule;
 use terrella_play::{AccessRequest, AccessTable, Layout};
 
@@ -14,6 +14,12 @@ pub struct AccessArgs {
     scene: SceneArgs,
     #[command(flatten)]
     satellites: SelectionArgs,
+    /// Add a ground station: latitude and longitude in degrees, south and west negative, optionally the height in metres above the ellipsoid, and a name; repeatable
+    #[arg(long, value_name = "LAT,LON[,HEIGHT][,NAME]", value_parser = values::station, allow_hyphen_values = true)]
+    place: Vec<(Geodetic, String)>,
+    /// With --place: minimum elevation above the horizon, degrees; [[station]] tables have their own
+    #[arg(long, value_name = "DEGREES", value_parser = values::elevation_deg, default_value = "5", requires = "place")]
+    min_elevation: f64,
     /// Also print when satellites have access to each other: when the line between them does not meet the Earth
     #[arg(long)]
     crosslinks: bool,
@@ -39,7 +45,11 @@ pub struct AccessArgs {
 
 /// Prints the accesses of a scene.
 pub fn run(args: &AccessArgs, _: &Common) -> anyhow::Result<()> {
-    let flight = args.satellites.open(&args.scene)?;
+    let flight = args.satellites.open_with(&args.scene, |scene| {
+        for (place, name) in &args.place {
+            scene.add_station(name, *place, args.min_elevation);
+        }
+    })?;
     let satellites = args.satellites.select(&flight)?;
     let request = AccessRequest {
         rule: AccessRule {

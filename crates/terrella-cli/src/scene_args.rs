@@ -77,10 +77,20 @@ pub struct SelectionArgs {
 impl SelectionArgs {
     /// Reads the scene with them and makes it ready.
     pub fn open(&self, scene: &SceneArgs) -> anyhow::Result<Flight> {
+        self.open_with(scene, |_| ())
+    }
+
+    /// Same as [`Self::open`], with a change of the scene.
+    pub fn open_with(
+        &self,
+        scene: &SceneArgs,
+        change: impl FnOnce(&mut Scene),
+    ) -> anyhow::Result<Flight> {
         let mut scene = scene.load(&self.satellite)?;
         if self.satellite.is_empty() {
             scene.take_all();
         }
+        change(&mut scene);
         open_flight(scene, Flight::open_without_listening)
     }
 

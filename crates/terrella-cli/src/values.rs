@@ -119,6 +119,28 @@ pub fn place(text: &str) -> Result<Geodetic, String> {
     Ok(Geodetic::from_degrees(lat, lon, height))
 }
 
+/// A place as [`place`] reads it, and its name, which comes last: `48.2,16.4,Vienna`. Without a name, the text.
+pub fn station(text: &str) -> Result<(Geodetic, String), String> {
+    let parts: Vec<_> = text.splitn(3, ',').collect();
+    let [lat, lon, rest] = parts[..] else {
+        return Ok((place(text)?, text.to_owned()));
+    };
+    let is_number = |text: &str| text.trim().parse::<f64>().is_ok();
+    let (height, name) = match rest.split_once(',') {
+        Some((height, name)) if is_number(height) => (Some(height), name),
+        None if is_number(rest) => (Some(rest), text),
+        _ => (None, rest),
+    };
+    let name = name.trim();
+    if name.is_empty() {
+        return Err(
+            "the name is empty; write one after the last comma, or leave the comma out".into(),
+        );
+    }
+    let numbers: Vec<_> = [lat, lon].into_iter().chain(height).collect();
+    Ok((place(&numbers.join(","))?, name.to_owned()))
+}
+
 /// An angle above the horizon.
 pub fn elevation_deg(text: &str) -> Result<f64, String> {
     number(

@@ -27,6 +27,8 @@ pub struct AccessRequest {
 pub struct AccessTable<'f> {
     from: &'f str,
     to: &'f str,
+    /// Minimum elevation above the horizon of the station, degrees; `None` from a satellite.
+    min_elevation_deg: Option<f64>,
     span: (Epoch, Epoch),
     rows: Vec<Access>,
 }
@@ -62,6 +64,7 @@ impl<'f> AccessTable<'f> {
             Ok(Self {
                 from: name,
                 to: to.name(),
+                min_elevation_deg: None,
                 span,
                 rows: accesses(from, to.feed(), rule, ellipsoid, &orientation, span)?,
             })
@@ -71,11 +74,11 @@ impl<'f> AccessTable<'f> {
             let mask_rad = station.min_elevation_deg.to_radians();
             let observer = Observer::new(station.place, flight.ellipsoid(), mask_rad, &orientation);
             for &to in satellites {
-                all.push(table(
-                    station.name.as_str(),
-                    AccessFrom::Station(&observer),
-                    to,
-                )?);
+                let from = AccessFrom::Station(&observer);
+                all.push(Self {
+                    min_elevation_deg: Some(station.min_elevation_deg),
+                    ..table(station.name.as_str(), from, to)?
+                });
             }
         }
         if request.has_crosslinks {
@@ -97,7 +100,10 @@ impl<'f> AccessTable<'f> {
     // Writing to a string cannot fail.
     fn text(&self) -> String {
         let [first, last] = [self.span.0, self.span.1].map(rfc3339);
-        let mut text = format!("{} to {}, {first} to {last}\n", self.from, self.to);
+        let mask = self.min_elevation_deg.map_or_else(String::new, |degrees| {
+            format!(", more than {degrees}° above the horizon")
+        });
+        let mut text = format!("{} to {}{mask}, {first} to {last}\n", self.from, self.to);
         if self.rows.is_empty() {
             text += "none\n";
             return text;
@@ -163,6 +169,7 @@ impl<'f> AccessTable<'f> {
         serde_json::json!({
             "from": self.from,
             "to": self.to,
+            "min_elevation_deg": self.min_elevation_deg,
             "first_utc": rfc3339(self.span.0),
             "last_utc": rfc3339(self.span.1),
             "accesses": rows.collect::<Vec<_>>(),

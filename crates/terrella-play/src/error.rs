@@ -243,8 +243,12 @@ pub enum PlayError {
     NoSatellite,
     /// No accesses to look for, or too many.
     #[error(
-        "{}: it has {found} pairs of stations and satellites; there must be 1 to {most}. Add [[station]] tables, give --crosslinks, or choose satellites by --satellite",
-        scene.display()
+        "{}: {}",
+        scene.display(),
+        match found {
+            0 => "no ground station; add one by --place LAT,LON,NAME or by a [[station]] table of a scene, or give --crosslinks for two or more satellites".to_owned(),
+            _ => format!("{found} pairs of stations and satellites, of at most {most}; choose satellites by --satellite"),
+        }
     )]
     Accesses {
         scene: PathBuf,

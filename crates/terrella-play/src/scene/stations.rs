@@ -95,6 +95,16 @@ impl SceneText<'_> {
 }
 
 impl Scene {
+    /// Adds a ground station after those of the scene; the minimum elevation of satellites is in degrees.
+    pub fn add_station(&mut self, name: &str, place: Geodetic, min_elevation_deg: f64) {
+        self.stations.push(StationTable {
+            name: name.to_owned(),
+            place,
+            min_elevation_deg,
+            color: None,
+        });
+    }
+
     /// Descriptions of all stations with their positions.
     pub(super) fn station_uses(&self) -> impl Iterator<Item = (&'static str, String)> {
         self.stations.iter().map(|station| {
