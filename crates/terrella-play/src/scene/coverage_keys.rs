@@ -33,7 +33,7 @@ table!(RawCoverage = "coverage" {
     satellites: Vec<String>, of "a list of strings, names of the scene's satellites", for SHOWN;
     /// Time that is looked at, from the scene's start.
     duration_h: f64, of "hours", in 0.1..=8784.0, default 24.0, for SHOWN;
-    /// Least elevation of a satellite above the ground's horizon.
+    /// Minimum elevation of a satellite above the ground's horizon.
     min_elevation_deg: f64, of "degrees", in 0.0..=89.0, default 5.0, for SHOWN;
     /// Side of a cell of the map.
     step_deg: f64, of "degrees", in 0.1..=45.0, default 2.0, for SHOWN;

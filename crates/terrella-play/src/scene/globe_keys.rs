@@ -99,7 +99,7 @@ table!(RawStation = "station" {
     lon_deg: f64, of "degrees", in LON_DEG;
     /// Height above the ellipsoid.
     height_m: f64, of "metres", in -1000.0..=10_000.0, default 0.0;
-    /// Elevation mask: how high above the station's horizon a satellite has to stand.
+    /// Minimum elevation of a satellite above the station's horizon.
     min_elevation_deg: f64, of "degrees", in 0.0..=89.0, default 5.0;
     /// Colour of all that is drawn of the station. By default one of a palette, after those of the satellites.
     color: String, of "a string, \"#\" and six hexadecimal digits";

@@ -22,7 +22,7 @@ pub struct StationTable {
     pub name: String,
     /// Where it stands; the height is above the ellipsoid.
     pub place: Geodetic,
-    /// Elevation mask, degrees.
+    /// Minimum elevation of a satellite above the horizon, degrees.
     pub min_elevation_deg: f64,
     /// Display values (sRGB); `None` is the next of the usual ones.
     pub color: Option<[u8; 3]>,
