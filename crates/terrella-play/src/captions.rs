@@ -8,7 +8,9 @@ use super::egui_pass::EguiTarget;
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
 use super::text_overlay::TextOverlay;
-use crate::scene::{CaptionContent, CaptionPart, CaptionPlace, CaptionTable, CaptionValue};
+use crate::scene::{
+    CaptionContent, CaptionPart, CaptionPlace, CaptionTable, CaptionTimes, CaptionValue,
+};
 use egui::{Color32, FontId, Galley, Painter, Pos2, Rect, TextureHandle, Vec2};
 use hifitime::Unit;
 use std::fmt::Write;
@@ -51,6 +53,9 @@ pub struct CaptionLayer {
 struct Caption {
     place: CaptionPlace,
     plate_opacity: f64,
+    times: CaptionTimes,
+    /// Of the picture that was prepared last, 0…1.
+    opacity: f64,
     shown: Shown,
 }
 
@@ -150,7 +155,9 @@ impl CaptionLayer {
             place: satellite.map_or(stats.eye, |satellite| satellite.place),
             speed_m_s: satellite.map(|satellite| satellite.speed_m_s),
         };
+        let time_s = (state.epoch - state.start).to_seconds() + ROUNDING_S;
         for caption in &mut self.captions {
+            caption.opacity = caption.times.opacity(time_s);
             if let Shown::Text { parts, text, .. } = &mut caption.shown {
                 text.clear();
                 for part in parts {
@@ -165,7 +172,8 @@ impl CaptionLayer {
 
     /// Draws them over the finished picture.
     pub fn draw(&mut self, target: EguiTarget<'_>) {
-        let all: Vec<_> = self.captions.iter().chain(&self.legend).collect();
+        let all = self.captions.iter().chain(&self.legend);
+        let all: Vec<_> = all.filter(|one| one.opacity > 0.0).collect();
         let [left, bottom] = self.covered_px;
         let mut fits = true;
         self.overlay.draw(target, |painter, screen| {
@@ -188,6 +196,8 @@ impl Caption {
         Self {
             place: table.place,
             plate_opacity: table.plate_opacity,
+            times: table.times,
+            opacity: 1.0,
             shown,
         }
     }
@@ -196,6 +206,8 @@ impl Caption {
         Self {
             place: legend.place,
             plate_opacity: LEGEND_PLATE_OPACITY,
+            times: CaptionTimes::ALWAYS,
+            opacity: 1.0,
             shown: Shown::Legend(legend.scale),
         }
     }
@@ -360,7 +372,9 @@ fn paint(painter: &Painter, screen: Rect, free: Rect, captions: &[&Caption]) -> 
                 fits = false;
                 continue;
             }
-            paint_one(painter, laid, plate, *padding, caption.plate_opacity);
+            let mut painter = painter.clone();
+            painter.multiply_opacity(caption.opacity as f32);
+            paint_one(&painter, laid, plate, *padding, caption.plate_opacity);
         }
     }
     fits

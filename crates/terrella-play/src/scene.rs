@@ -99,7 +99,7 @@ use text::SceneText;
 pub use articulations::{Articulation, ArticulationTarget, ArticulationTurn};
 pub use camera::Camera;
 pub use camera_keys::CameraKey;
-pub use captions::{CaptionContent, CaptionPart, CaptionTable, CaptionValue};
+pub use captions::{CaptionContent, CaptionPart, CaptionTable, CaptionTimes, CaptionValue};
 pub use choices::{
     CameraMode, CameraUp, CaptionPlace, CoverageShow, Look, OrbitSource, StorageChoice,
 };

@@ -17,6 +17,8 @@ use toml::Spanned;
 pub(super) const MAX_CAPTIONS: usize = 32;
 /// Height of letters, and width of images, pixels.
 const SIZE_PX: RangeInclusive<f64> = 6.0..=200.0;
+/// As the times of camera keyframes.
+const TIME_S: RangeInclusive<f64> = -1e9..=1e9;
 const WIDTH_PX: RangeInclusive<f64> = 1.0..=4096.0;
 
 const fn only(why: &'static str) -> Only {
@@ -40,4 +42,10 @@ table!(RawCaption = "caption" {
     plate_opacity: f64, in 0.0..=1.0, default 0.5;
     /// Width of the image. By default its own.
     width_px: f64, of "pixels", in WIDTH_PX, for IMAGE;
+    /// When it appears, in simulated seconds after the scene's start. By default it is there from the start.
+    from_s: f64, of "seconds after the scene's start", in TIME_S;
+    /// When it disappears. By default it stays.
+    until_s: f64, of "seconds after the scene's start", in TIME_S;
+    /// How long it fades in after from_s, and out before until_s, in simulated seconds.
+    fade_s: f64, of "seconds", in 0.0..=1e9, default 0.0;
 });

@@ -25,6 +25,41 @@ pub struct CaptionTable {
     pub place: CaptionPlace,
     /// Of the dark plate behind it, 0…1.
     pub plate_opacity: f64,
+    /// When it is shown.
+    pub times: CaptionTimes,
+}
+
+/// When a caption is shown, in simulated seconds after the scene's start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CaptionTimes {
+    /// It appears; −∞ without a beginning.
+    pub from_s: f64,
+    /// It disappears; ∞ without an end.
+    pub until_s: f64,
+    /// How long it fades in and out, seconds.
+    pub fade_s: f64,
+}
+
+impl CaptionTimes {
+    /// Without beginning and end.
+    pub const ALWAYS: Self = Self {
+        from_s: f64::NEG_INFINITY,
+        until_s: f64::INFINITY,
+        fade_s: 0.0,
+    };
+
+    /// The opacity at a time, 0…1.
+    pub fn opacity(&self, time_s: f64) -> f64 {
+        if time_s < self.from_s || time_s >= self.until_s {
+            return 0.0;
+        }
+        if self.fade_s == 0.0 {
+            return 1.0;
+        }
+        let inside_s = (time_s - self.from_s).min(self.until_s - time_s);
+        let t = (inside_s / self.fade_s).min(1.0);
+        t * t * (3.0 - 2.0 * t)
+    }
 }
 
 /// Content of a caption.
@@ -204,7 +239,38 @@ impl SceneText<'_> {
             content,
             place: self.choice(&raw.place())?,
             plate_opacity: self.quantity(&raw.plate_opacity())?,
+            times: self.caption_times(raw)?,
         })
+    }
+
+    fn caption_times(&self, raw: &RawCaption) -> Result<CaptionTimes, SceneError> {
+        let (from, until, fade) = (raw.from_s(), raw.until_s(), raw.fade_s());
+        let mut times = CaptionTimes::ALWAYS;
+        match from.is_given() {
+            true => times.from_s = self.quantity_or(&from, 0.0)?,
+            false => from.note(Ok("the start".to_owned())),
+        }
+        match until.is_given() {
+            true => times.until_s = self.quantity_or(&until, 0.0)?,
+            false => until.note(Ok("the end".to_owned())),
+        }
+        if times.until_s <= times.from_s {
+            let advice = format!("must be more than from_s, {}", times.from_s);
+            return Err(self.reject(&until, advice));
+        }
+        times.fade_s = self.quantity(&fade)?;
+        if times.fade_s > 0.0
+            && times
+                == (CaptionTimes {
+                    fade_s: times.fade_s,
+                    ..CaptionTimes::ALWAYS
+                })
+        {
+            let advice =
+                "needs from_s or until_s: a caption without them neither appears nor disappears";
+            return Err(self.reject(&fade, advice));
+        }
+        Ok(times)
     }
 
     fn caption_text(
