@@ -125,7 +125,7 @@ impl<'o> Observer<'o> {
 }
 
 /// The first pass at or after `from` and before `until`, within the feed's validity. A satellite that is already above the mask at `from` is in its
-/// first pass; one that always is has a pass that neither rises nor sets.
+/// first pass; one that always is has a pass that neither rises nor sets. A pass that ends at `from` is not found again.
 ///
 /// With h = ρ·u − |ρ| sin e (ρ from the position to the satellite, u upwards) and |a| the satellite's acceleration, a satellite below the mask
 /// cannot rise within Δ while h + h′Δ + ½|a|(1 + sin e)Δ² < 0, as |ρ|″ ≥ −|a|: the search skips this time. Where it is short, the search advances
@@ -145,20 +145,27 @@ pub fn next_pass(
     until: Epoch,
 ) -> Result<Option<Pass>, OrbitError> {
     let (first, last) = feed.validity();
-    let (from, until) = (from.max(first), until.min(last));
-    if from > until {
-        return Ok(None);
+    let (mut from, until) = (from.max(first), until.min(last));
+    while from < until {
+        let search = Search {
+            feed,
+            observer,
+            from,
+            end_s: (until - from).to_seconds(),
+        };
+        let Some((begin_s, rises)) = search.rise()? else {
+            break;
+        };
+        let pass = search.follow(begin_s, rises)?;
+        let length_s = (pass.end - pass.begin).to_seconds();
+        // Ends of passes are found to `EXACT_S`.
+        let is_remainder = begin_s == 0.0 && length_s <= 2.0 * EXACT_S;
+        if !is_remainder {
+            return Ok(Some(pass));
+        }
+        from += Duration::from_seconds(SEPARATION_S);
     }
-    let search = Search {
-        feed,
-        observer,
-        from,
-        end_s: (until - from).to_seconds(),
-    };
-    match search.rise()? {
-        Some((begin_s, rises)) => search.follow(begin_s, rises).map(Some),
-        None => Ok(None),
-    }
+    Ok(None)
 }
 
 /// All passes of a span in order of time, as [`next_pass`] finds them; an error is the last item.

@@ -353,6 +353,50 @@ fn spans_outside_the_validity_have_no_pass() {
     assert!(next_pass(&feed, &place, last, late).is_ok());
 }
 
+/// The passes of a search, each searched from the end of the one before.
+fn one_by_one(feed: &dyn Feed, observer: &Observer<'_>, from: Epoch, until: Epoch) -> Vec<Pass> {
+    let (mut found, mut from) = (Vec::new(), from);
+    while let Some(pass) = next_pass(feed, observer, from, until).expect("known") {
+        from = pass.end;
+        found.push(pass);
+        assert!(found.len() <= 100, "{pass:?}");
+    }
+    found
+}
+
+#[test]
+fn a_search_from_the_end_of_a_pass_finds_the_next() {
+    let feed = released("iss.tle");
+    let from = instant("2018-01-19T00:00:00Z");
+    let until = from + Duration::from_days(1.0);
+    for (lat_deg, lon_deg) in [(48.2, 16.4), (51.0, 179.999), (0.0, -78.5)] {
+        let place = observer(lat_deg, lon_deg, 10.0);
+        let whole: Result<Vec<_>, _> = passes(&feed, &place, from, until).collect();
+        let whole = whole.expect("known");
+        assert!(!whole.is_empty());
+        assert_eq!(one_by_one(&feed, &place, from, until), whole);
+    }
+    // A pass that the end of the search, or of the data, cuts is not repeated.
+    let place = observer(48.2, 16.4, 10.0);
+    let first = next_pass(&feed, &place, from, until)
+        .expect("known")
+        .expect("there");
+    assert_eq!(
+        one_by_one(&feed, &place, first.begin, first.highest).len(),
+        1
+    );
+    let quito = observer(0.0, -78.5, 10.0);
+    let goes = released("geostationary.tle");
+    let last = goes.validity().1;
+    let late = one_by_one(
+        &goes,
+        &quito,
+        last - Duration::from_days(1.0),
+        last + Duration::from_days(1.0),
+    );
+    assert_eq!(late.len(), 1, "{late:?}");
+}
+
 #[test]
 fn bearings_point_where_they_should() {
     let place = observer(0.0, 0.0, 0.0);
