@@ -4,6 +4,7 @@ use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use terrella::{EarthError, OffscreenError};
+use terrella_orbit::OrbitError;
 use terrella_play::PlayError;
 
 /// The result of a call. `terrella_message` returns the error message.
@@ -88,6 +89,12 @@ impl From<PlayError> for Failure {
             error if error.is_bad_scene() => Self::new(TerrellaStatus::TERRELLA_SCENE, words),
             _ => Self::file(words),
         }
+    }
+}
+
+impl From<OrbitError> for Failure {
+    fn from(error: OrbitError) -> Self {
+        Self::new(TerrellaStatus::TERRELLA_SCENE, error.to_string())
     }
 }
 

@@ -4,7 +4,7 @@ use crate::failure::{Failure, TerrellaStatus, answer};
 use crate::pointers::{check_out, read, write};
 use crate::scene::{TerrellaScene, with_satellite};
 use crate::time::TerrellaTime;
-use terrella::frames::{Ellipsoid, Geodetic, Orientation};
+use terrella::frames::{Ellipsoid, Epoch, Geodetic, Orientation, rfc3339};
 use terrella_orbit::{Feed, Observer, OrbitError, Pass, passes};
 
 /// Place and time interval of a search for passes.
@@ -21,7 +21,7 @@ pub struct TerrellaPassSearch {
     pub min_elevation_deg: f64,
     /// Passes that are in progress at this instant or begin later.
     pub from: TerrellaTime,
-    /// And that begin before this one.
+    /// And that begin before this one. It is not before `from`.
     pub until: TerrellaTime,
 }
 
@@ -29,7 +29,7 @@ pub struct TerrellaPassSearch {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TerrellaPass {
-    /// When it rises above the mask; `from` where it stands above it then.
+    /// When it rises above the mask; `from`, or the start of the satellite's data, if it is above the mask then.
     pub begin: TerrellaTime,
     /// Azimuth then.
     pub begin_azimuth_deg: f64,
@@ -41,7 +41,7 @@ pub struct TerrellaPass {
     pub elevation_deg: f64,
     /// Distance then, metres.
     pub distance_m: f64,
-    /// When it sets; the end of what is known where it stands above the mask then.
+    /// When it sets; `until`, or the end of the satellite's data, if it is above the mask then.
     pub end: TerrellaTime,
     /// Azimuth then.
     pub end_azimuth_deg: f64,
@@ -54,8 +54,12 @@ pub struct TerrellaPass {
 /// The passes of a satellite of a scene over a place, in their order, at most `capacity` of them. `count` receives the number written. If
 /// it is `capacity` there may be more: search again from the end of the last one. `index` counts from 0 in the scene's order.
 ///
+/// With a capacity of 0, nothing is searched, `count` receives 0, and `passes` may be null. An interval that ends before it begins is
+/// `TERRELLA_ARGUMENT`. One that lies outside of the satellite's data is `TERRELLA_SCENE`. One that lies partly outside is searched as far
+/// as the data reach.
+///
 /// # Safety
-/// `passes` has room for `capacity` passes, and `count` for a number.
+/// `passes` points to writable memory for `capacity` passes, and `count` to that for one number.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_scene_passes(
     scene: *mut TerrellaScene,
@@ -69,13 +73,16 @@ pub unsafe extern "C" fn terrella_scene_passes(
         check_out(count, "count")?;
         // SAFETY: the caller's promise about its pointers, here and below.
         let search = unsafe { read(search, "search") }?;
-        check_out(passes, "passes")?;
+        if capacity > 0 {
+            check_out(passes, "passes")?;
+        }
         let (observer_place, mask_rad) = place(search)?;
         let span = (
             search.from.epoch("search.from")?,
             search.until.epoch("search.until")?,
         );
         let written = with_satellite(scene, index, |feed| {
+            check_span(feed.name(), feed.validity(), span)?;
             let still = |_| Orientation::default();
             let observer = Observer::new(observer_place, &Ellipsoid::WGS84, mask_rad, &still);
             let found = self::passes(feed, &observer, span.0, span.1);
@@ -91,6 +98,32 @@ pub unsafe extern "C" fn terrella_scene_passes(
         // SAFETY: the same.
         unsafe { write(count, "count", written) }
     })
+}
+
+/// Rejects an interval that ends before it begins, or that lies outside of the satellite's data.
+fn check_span(
+    satellite: &str,
+    (first, last): (Epoch, Epoch),
+    (from, until): (Epoch, Epoch),
+) -> Result<(), Failure> {
+    let interval = format!("{} to {}", rfc3339(from), rfc3339(until));
+    if until < from {
+        return Err(Failure::argument(format!(
+            "search.until: the interval {interval} ends before it begins; set until to a later time than from"
+        )));
+    }
+    if last < from || until < first {
+        return Err(Failure::new(
+            TerrellaStatus::TERRELLA_SCENE,
+            format!(
+                "search: the interval {interval} is outside of the data of {satellite}, which cover {} to {}; \
+                 search in that interval or give the scene an orbit file for the wanted one",
+                rfc3339(first),
+                rfc3339(last)
+            ),
+        ));
+    }
+    Ok(())
 }
 
 /// The place of a search, and its mask in radians.
@@ -126,4 +159,29 @@ fn told(feed: &dyn Feed, observer: &Observer<'_>, pass: &Pass) -> Result<Terrell
         rises: pass.rises,
         sets: pass.sets,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrella::frames::utc_from_rfc3339;
+
+    #[test]
+    fn intervals_without_data_are_errors() {
+        let day =
+            |day: u32| utc_from_rfc3339(&format!("2018-01-{day:02}T00:00:00Z")).expect("a date");
+        let check = |from, until| check_span("ISS", (day(10), day(20)), (day(from), day(until)));
+        for (from, until) in [(11, 12), (5, 10), (20, 25), (15, 15), (1, 31)] {
+            assert!(check(from, until).is_ok(), "{from} {until}");
+        }
+        for (from, until, status, named) in [
+            (12, 11, TerrellaStatus::TERRELLA_ARGUMENT, "2018-01-12"),
+            (21, 25, TerrellaStatus::TERRELLA_SCENE, "2018-01-20"),
+            (5, 9, TerrellaStatus::TERRELLA_SCENE, "2018-01-10"),
+        ] {
+            let failure = check(from, until).expect_err("no data");
+            assert_eq!(failure.status, status);
+            assert!(failure.words.contains(named), "{}", failure.words);
+        }
+    }
 }

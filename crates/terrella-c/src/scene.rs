@@ -11,7 +11,7 @@ use std::ffi::{c_char, c_void};
 use std::path::Path;
 use terrella::Drawing;
 use terrella::frames::Epoch;
-use terrella_orbit::{Feed, OrbitError};
+use terrella_orbit::Feed;
 use terrella_play::scene::{Scene, SceneError};
 use terrella_play::{ScenePictures, take_starter_files};
 
@@ -196,15 +196,14 @@ pub unsafe extern "C" fn terrella_scene_satellite(
 pub(crate) fn with_satellite<T>(
     scene: *mut TerrellaScene,
     index: usize,
-    work: impl FnOnce(&dyn Feed) -> Result<T, OrbitError>,
+    work: impl FnOnce(&dyn Feed) -> Result<T, Failure>,
 ) -> Result<T, Failure> {
     with_scene(scene, |pictures| {
         let satellites = pictures.flight().satellites();
         let satellite = satellites.get(index).ok_or_else(|| {
             Failure::argument(format!("index: {index} is not below {}", satellites.len()))
         })?;
-        let answer = work(satellite.feed());
-        answer.map_err(|error| Failure::new(TerrellaStatus::TERRELLA_SCENE, error.to_string()))
+        work(satellite.feed())
     })
 }
 

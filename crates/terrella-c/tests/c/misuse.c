@@ -235,6 +235,24 @@ int main(int argc, char **argv) {
     if (found != 2) {
         return 1;
     }
+    // One after another, they end.
+    TerrellaPassSearch page = search;
+    size_t paged = 0;
+    for (;;) {
+        EXPECT(terrella_scene_passes(scene, 0, &page, passes, 1, &found), TERRELLA_OK, "");
+        if (found == 0 || paged > 20) break;
+        page.from = passes[0].end;
+        paged++;
+    }
+    if (paged < 4 || paged > 7) failures++, fprintf(stderr, "%zu passes one after another\n", paged);
+    EXPECT(terrella_scene_passes(scene, 0, &search, NULL, 0, &found), TERRELLA_OK, "");
+    if (found != 0) failures++, fprintf(stderr, "%zu passes without room\n", found);
+    page = search;
+    page.until.tai_s = page.from.tai_s - 1;
+    EXPECT(terrella_scene_passes(scene, 0, &page, passes, 8, &found), TERRELLA_ARGUMENT, "search.until");
+    page.from.tai_s += 366 * 86400;
+    page.until.tai_s = page.from.tai_s + 86400;
+    EXPECT(terrella_scene_passes(scene, 0, &page, passes, 8, &found), TERRELLA_SCENE, "outside of the data");
     EXPECT(terrella_scene_passes(scene, 9, &search, passes, 8, &found), TERRELLA_ARGUMENT, "index");
     EXPECT(terrella_scene_passes(scene, 0, &search, NULL, 8, &found), TERRELLA_NULL, "passes");
     EXPECT(terrella_scene_passes(scene, 0, &search, passes, 8, NULL), TERRELLA_NULL, "count");
