@@ -1,7 +1,7 @@
 //! Statuses and their error messages.
 
-use std::cell::RefCell;
-use std::ffi::{CStr, CString, c_char};
+use std::cell::UnsafeCell;
+use std::ffi::{CStr, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use terrella::{EarthError, OffscreenError};
 use terrella_orbit::OrbitError;
@@ -98,16 +98,23 @@ impl From<OrbitError> for Failure {
     }
 }
 
+/// Bytes of a message with its final zero byte.
+const MESSAGE_BYTES: usize = 2048;
+
 thread_local! {
-    static MESSAGE: RefCell<CString> = RefCell::new(CString::default());
+    /// It has no destructor, so that its address is valid until the thread ends.
+    static MESSAGE: UnsafeCell<[u8; MESSAGE_BYTES]> = const { UnsafeCell::new([0; MESSAGE_BYTES]) };
 }
 
-fn tell(words: String) {
+fn tell(words: &str) {
     // A zero byte would end the text early.
-    let words = CString::new(words.replace('\0', "?")).unwrap_or_default();
+    let words = words.replace('\0', "?");
+    let words = &words[..words.floor_char_boundary(MESSAGE_BYTES - 1)];
     MESSAGE.with(|message| {
-        if let Ok(mut message) = message.try_borrow_mut() {
-            *message = words;
+        // SAFETY: only this thread uses the buffer, and no other reference to it exists: `terrella_message` returns a pointer only.
+        let message = unsafe { &mut *message.get() };
+        for (to, from) in message.iter_mut().zip(words.bytes().chain([0])) {
+            *to = from;
         }
     });
 }
@@ -117,13 +124,13 @@ pub(crate) fn answer(work: impl FnOnce() -> Result<(), Failure>) -> TerrellaStat
     match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(())) => TerrellaStatus::TERRELLA_OK,
         Ok(Err(failure)) => {
-            tell(failure.words);
+            tell(&failure.words);
             failure.status
         }
         Err(panic) => {
             let words = panic.downcast_ref::<String>().map(String::as_str);
             let words = words.or_else(|| panic.downcast_ref::<&str>().copied());
-            tell(format!(
+            tell(&format!(
                 "the library broke down, please report it: {}",
                 words.unwrap_or("no words")
             ));
@@ -132,17 +139,15 @@ pub(crate) fn answer(work: impl FnOnce() -> Result<(), Failure>) -> TerrellaStat
     }
 }
 
-/// The error message of this thread's last failed call, in UTF-8; empty if there was none. It is valid until this thread's next failed
-/// call.
+/// The error message of this thread's last failed call, in UTF-8; empty if there was none. The pointer is valid until the thread ends. The
+/// thread's next failed call overwrites the text. A message of more than 2047 bytes is truncated. Use the pointer in this thread only.
 #[unsafe(no_mangle)]
 pub extern "C" fn terrella_message() -> *const c_char {
-    MESSAGE.with(|message| match message.try_borrow() {
-        Ok(message) => message.as_ptr(),
-        Err(_) => c"".as_ptr(),
-    })
+    MESSAGE.with(|message| message.get().cast_const().cast())
 }
 
-/// The name of a status, for logs: "TERRELLA_OK" and so on; "no status" for any other number. It is never freed.
+/// The name of a status, for logs: "TERRELLA_OK" and so on; "no status" for any other number. The text never changes and is valid as long
+/// as the library is loaded.
 #[unsafe(no_mangle)]
 pub extern "C" fn terrella_status_name(status: u32) -> *const c_char {
     let name: &'static CStr = match status {
@@ -186,5 +191,20 @@ mod tests {
         assert_eq!(other, "");
         assert_eq!(answer(|| Ok(())), TerrellaStatus::TERRELLA_OK);
         assert_eq!(message(), "a?b");
+    }
+
+    #[test]
+    fn the_message_keeps_its_address_and_fits_its_buffer() {
+        let before = terrella_message();
+        answer(|| Err(Failure::argument("short")));
+        assert_eq!(message(), "short");
+        // Two bytes each, after one byte: the limit is within a character.
+        answer(|| Err(Failure::argument(format!("a{}", "ä".repeat(2000)))));
+        assert_eq!(terrella_message(), before);
+        assert_eq!(message(), format!("a{}", "ä".repeat(1023)));
+        answer(|| Err(Failure::argument(format!("ab{}", "ä".repeat(2000)))));
+        assert_eq!(message(), format!("ab{}", "ä".repeat(1022)));
+        answer(|| Err(Failure::argument("short")));
+        assert_eq!((terrella_message(), message()), (before, "short".into()));
     }
 }

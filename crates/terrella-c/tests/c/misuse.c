@@ -39,6 +39,10 @@ int main(int argc, char **argv) {
     char version[40];
     snprintf(version, sizeof version, "%d.%d.%d", TERRELLA_VERSION_MAJOR, TERRELLA_VERSION_MINOR, TERRELLA_VERSION_PATCH);
     if (strcmp(terrella_version(), version) != 0) failures++, fprintf(stderr, "header %s, library %s\n", version, terrella_version());
+    // A message outlives later ones: programs read both after two calls.
+    const char *kept = terrella_message();
+    for (int n = 0; n < 50; n++) terrella_options_default(NULL), terrella_time_utc("a long text that is no date", &noon);
+    if (terrella_message() != kept || !strstr(kept, "text")) failures++, fprintf(stderr, "the message moved: %s\n", kept);
     EXPECT(terrella_options_default(NULL), TERRELLA_NULL, "options");
     EXPECT(terrella_time_utc(NULL, &noon), TERRELLA_NULL, "text");
     EXPECT(terrella_time_utc("2018-06-21T12:00:00Z", NULL), TERRELLA_NULL, "time");
