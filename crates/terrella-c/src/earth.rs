@@ -59,6 +59,28 @@ pub extern "C" fn terrella_earth_resize(
     })
 }
 
+/// Returns the size of the images, pixels. It waits while another thread draws with this Earth.
+///
+/// # Safety
+/// Both point to writable memory.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn terrella_earth_size(
+    earth: *mut TerrellaEarth,
+    width: *mut u32,
+    height: *mut u32,
+) -> TerrellaStatus {
+    answer(|| {
+        handles::with(earth, KIND, "earth", |earth: &mut OffscreenEarth| {
+            let (wide, high) = earth.size();
+            check_out(height, "height")?;
+            // SAFETY: the caller's promise, here and below.
+            unsafe { write(width, "width", wide) }?;
+            // SAFETY: the same.
+            unsafe { write(height, "height", high) }
+        })
+    })
+}
+
 struct View<'e> {
     earth: &'e mut OffscreenEarth,
     view: EyeView,

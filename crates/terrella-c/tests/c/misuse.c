@@ -118,6 +118,12 @@ int main(int argc, char **argv) {
     EXPECT(terrella_earth_draw(earth, &broken, noon, 0, TERRELLA_RGBA8, pixels, bytes, NULL), TERRELLA_ARGUMENT, "clip_from_view");
     EXPECT(terrella_earth_resize(earth, 0, 5), TERRELLA_ARGUMENT, "size");
     EXPECT(terrella_earth_resize(earth, 1000000, 1000000), TERRELLA_ARGUMENT, "size");
+    uint32_t wide = 0, high = 0;
+    EXPECT(terrella_earth_size(earth, &wide, NULL), TERRELLA_NULL, "height");
+    EXPECT(terrella_earth_size(earth, NULL, &high), TERRELLA_NULL, "width");
+    EXPECT(terrella_earth_size(NULL, &wide, &high), TERRELLA_NULL, "earth");
+    EXPECT(terrella_earth_size(earth, &wide, &high), TERRELLA_OK, "");
+    if (wide != 32 || high != 18) failures++, fprintf(stderr, "%u x %u pixels\n", wide, high);
 
     // All formats; both formats of linear light agree.
     TerrellaDrawn drawn;
