@@ -22,7 +22,7 @@ namespace terrella {
 class Error : public std::runtime_error {
 public:
     Error(TerrellaStatus status, const char *message) : std::runtime_error(message), status_(status) {}
-    TerrellaStatus status() const noexcept { return status_; }
+    [[nodiscard]] TerrellaStatus status() const noexcept { return status_; }
 
 private:
     TerrellaStatus status_;
@@ -40,56 +40,61 @@ public:
     explicit Time(const std::string &utc) { check(terrella_time_utc(utc.c_str(), &time_)); }
     Time(TerrellaTime time) noexcept : time_(time) {}
     // From seconds since 1970-01-01T00:00:00Z as POSIX counts them.
-    static Time from_unix(double unix_s) {
+    [[nodiscard]] static Time from_unix(double unix_s) {
         TerrellaTime time;
         check(terrella_time_unix(unix_s, &time));
         return time;
     }
-    Time operator+(double elapsed_s) const {
+    [[nodiscard]] Time operator+(double elapsed_s) const {
         TerrellaTime later;
         check(terrella_time_add(time_, elapsed_s, &later));
         return later;
     }
-    Time operator-(double elapsed_s) const { return *this + -elapsed_s; }
+    [[nodiscard]] Time operator-(double elapsed_s) const { return *this + -elapsed_s; }
+    Time &operator+=(double elapsed_s) { return *this = *this + elapsed_s; }
+    Time &operator-=(double elapsed_s) { return *this = *this - elapsed_s; }
     // Elapsed seconds from another instant to this.
-    double operator-(const Time &other) const noexcept {
+    [[nodiscard]] double operator-(const Time &other) const noexcept {
         return double(time_.tai_s - other.time_.tai_s) + (double(time_.tai_ns) - double(other.time_.tai_ns)) * 1e-9;
     }
-    bool operator==(const Time &other) const noexcept { return time_.tai_s == other.time_.tai_s && time_.tai_ns == other.time_.tai_ns; }
-    bool operator!=(const Time &other) const noexcept { return !(*this == other); }
-    bool operator<(const Time &other) const noexcept {
+    [[nodiscard]] bool operator==(const Time &other) const noexcept { return time_.tai_s == other.time_.tai_s && time_.tai_ns == other.time_.tai_ns; }
+    [[nodiscard]] bool operator!=(const Time &other) const noexcept { return !(*this == other); }
+    [[nodiscard]] bool operator<(const Time &other) const noexcept {
         return time_.tai_s != other.time_.tai_s ? time_.tai_s < other.time_.tai_s : time_.tai_ns < other.time_.tai_ns;
     }
+    [[nodiscard]] bool operator>(const Time &other) const noexcept { return other < *this; }
+    [[nodiscard]] bool operator<=(const Time &other) const noexcept { return !(other < *this); }
+    [[nodiscard]] bool operator>=(const Time &other) const noexcept { return !(*this < other); }
     // In UTC, like "2018-01-15T12:00:00.000Z".
-    std::string utc() const {
+    [[nodiscard]] std::string utc() const {
         char text[40];
         check(terrella_time_text(time_, text, sizeof text));
         return text;
     }
-    operator TerrellaTime() const noexcept { return time_; }
+    [[nodiscard]] operator TerrellaTime() const noexcept { return time_; }
 
 private:
     TerrellaTime time_;
 };
 
 // A camera above a place; see terrella_camera_geodetic.
-inline TerrellaCamera camera_geodetic(double lat_deg, double lon_deg, double height_m, double heading_deg, double pitch_deg, double fov_deg,
-                                      double aspect) {
+[[nodiscard]] inline TerrellaCamera camera_geodetic(double lat_deg, double lon_deg, double height_m, double heading_deg, double pitch_deg,
+                                                    double fov_deg, double aspect) {
     TerrellaCamera camera;
     check(terrella_camera_geodetic(lat_deg, lon_deg, height_m, heading_deg, pitch_deg, fov_deg, aspect, &camera));
     return camera;
 }
 
 // A camera at a point that looks along a direction; see terrella_camera_look.
-inline TerrellaCamera camera_look(const std::array<double, 3> &eye_itrf_m, const std::array<double, 3> &forward, const std::array<double, 3> &up,
-                                  double fov_deg, double aspect) {
+[[nodiscard]] inline TerrellaCamera camera_look(const std::array<double, 3> &eye_itrf_m, const std::array<double, 3> &forward,
+                                                const std::array<double, 3> &up, double fov_deg, double aspect) {
     TerrellaCamera camera;
     check(terrella_camera_look(eye_itrf_m.data(), forward.data(), up.data(), fov_deg, aspect, &camera));
     return camera;
 }
 
 // Default options of an Earth, to be changed.
-inline TerrellaOptions default_options() {
+[[nodiscard]] inline TerrellaOptions default_options() {
     TerrellaOptions options;
     check(terrella_options_default(&options));
     return options;
@@ -101,16 +106,46 @@ struct Image {
     std::uint32_t height = 0;
     std::vector<std::uint8_t> rgba;
 
-    // Writes a PNG file, without opacity.
-    void save(const std::string &path) const { check(terrella_write_png(path.c_str(), rgba.data(), width, height)); }
+    // Writes a PNG file, without opacity. Throws unless `rgba` has the bytes of its width and height.
+    void save(const std::string &path) const {
+        if (rgba.size() / 4 != std::size_t(width) * height || rgba.size() % 4 != 0) {
+            std::string words = "rgba: an image of " + std::to_string(width) + " × " + std::to_string(height) + " pixels has four bytes for each, not " +
+                                std::to_string(rgba.size()) + " bytes in all";
+            throw Error(TERRELLA_ARGUMENT, words.c_str());
+        }
+        check(terrella_write_png(path.c_str(), rgba.data(), width, height));
+    }
 };
 
-// A truth layer by its name: `T` is double or float as the layer has it (terrella_layer), NaN where there is no value.
+// A truth layer by its name: `T` is double or float as the layer has it (see `layers`), NaN where there is no value. The numbers of a pixel
+// are consecutive: component c of pixel n is values[n * components + c].
 template <typename T>
 struct Layer {
     std::string name;
     std::vector<T> values;
+    std::size_t components;
 };
+
+// The description of a truth layer; see TerrellaLayer.
+struct LayerInfo {
+    std::string name, unit, what;
+    // Numbers per pixel.
+    std::size_t components;
+    // Bytes per number: 4 for float, 8 for double.
+    std::size_t number_bytes;
+};
+
+// All truth layers.
+[[nodiscard]] inline std::vector<LayerInfo> layers() {
+    std::vector<LayerInfo> all;
+    all.reserve(terrella_layer_count());
+    for (std::size_t n = 0; n < terrella_layer_count(); ++n) {
+        TerrellaLayer one;
+        check(terrella_layer(n, &one));
+        all.push_back(LayerInfo{one.name, one.unit, one.what, one.components, one.number_bytes});
+    }
+    return all;
+}
 
 // The raw frame of a sensor: the numbers of its converter, rows from the top.
 struct RawFrame {
@@ -136,7 +171,7 @@ public:
         if (handle_) free_handle(handle_);
     }
     // For calls of terrella.h. It stays the owner's.
-    H *get() const noexcept { return handle_; }
+    [[nodiscard]] H *get() const noexcept { return handle_; }
 
 private:
     H *handle_ = nullptr;
@@ -145,53 +180,61 @@ private:
 // An Earth on a device of its own.
 class Earth {
 public:
-    explicit Earth(const TerrellaOptions &options = default_options()) : width_(options.width), height_(options.height) {
+    explicit Earth(const TerrellaOptions &options = default_options()) {
         TerrellaEarth *earth = nullptr;
         check(terrella_earth_new(&options, &earth));
         handle_ = Handle<TerrellaEarth, terrella_earth_free>(earth);
     }
-    std::uint32_t width() const noexcept { return width_; }
-    std::uint32_t height() const noexcept { return height_; }
-    double aspect() const noexcept { return double(width_) / double(height_); }
-    void resize(std::uint32_t width, std::uint32_t height) {
-        check(terrella_earth_resize(get(), width, height));
-        width_ = width;
-        height_ = height;
+    // The size is the library's own, also after `terrella_earth_resize`. These calls wait while another thread draws with this Earth.
+    [[nodiscard]] std::uint32_t width() const { return size().first; }
+    [[nodiscard]] std::uint32_t height() const { return size().second; }
+    [[nodiscard]] double aspect() const {
+        auto [width, height] = size();
+        return double(width) / double(height);
     }
+    // Width and height of the images, pixels.
+    [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> size() const {
+        std::uint32_t width, height;
+        check(terrella_earth_size(get(), &width, &height));
+        return {width, height};
+    }
+    void resize(std::uint32_t width, std::uint32_t height) { check(terrella_earth_resize(get(), width, height)); }
     // The Earth as it is displayed. Waits for tiles of a pack, at most `wait_s` seconds.
-    Image image(const TerrellaCamera &camera, const Time &time, double wait_s = 30, TerrellaDrawn *drawn = nullptr) const {
-        Image image{width_, height_, std::vector<std::uint8_t>(pixels() * 4)};
+    [[nodiscard]] Image image(const TerrellaCamera &camera, const Time &time, double wait_s = 30, TerrellaDrawn *drawn = nullptr) const {
+        auto [width, height] = size();
+        Image image{width, height, std::vector<std::uint8_t>(std::size_t(width) * height * 4)};
         check(terrella_earth_draw(get(), &camera, time, wait_s, TERRELLA_RGBA8, image.rgba.data(), image.rgba.size(), drawn));
         return image;
     }
     // Linear light: red, green, blue and a fourth number that is no light.
-    std::vector<float> radiance(const TerrellaCamera &camera, const Time &time, double wait_s = 30) const {
+    [[nodiscard]] std::vector<float> radiance(const TerrellaCamera &camera, const Time &time, double wait_s = 30) const {
         std::vector<float> light(pixels() * 4);
         check(terrella_earth_draw(get(), &camera, time, wait_s, TERRELLA_RGBA32F, light.data(), light.size() * sizeof(float), nullptr));
         return light;
     }
     // Distance of the ground along the camera's axis, metres; infinite where none is seen.
-    std::vector<float> depth_m(const TerrellaCamera &camera, const Time &time, double wait_s = 30) const {
+    [[nodiscard]] std::vector<float> depth_m(const TerrellaCamera &camera, const Time &time, double wait_s = 30) const {
         std::vector<float> depth(pixels());
         check(terrella_earth_depth(get(), &camera, time, wait_s, depth.data(), depth.size()));
         return depth;
     }
-    // A truth layer of one number a pixel.
-    template <typename T>
-    Layer<T> truth(const TerrellaCamera &camera, const Time &time, const std::string &name, double wait_s = 30) const {
-        Layer<T> layer{name, std::vector<T>(pixels())};
+    // A truth layer. Give the number of components of a vector: truth<float, 3>(camera, time, "normal_itrf").
+    template <typename T, std::size_t components = 1>
+    [[nodiscard]] Layer<T> truth(const TerrellaCamera &camera, const Time &time, const std::string &name, double wait_s = 30) const {
+        Layer<T> layer{name, std::vector<T>(pixels() * components), components};
         TerrellaLayerBuffer buffer{layer.name.c_str(), layer.values.data(), layer.values.size() * sizeof(T)};
         check(terrella_earth_truth(get(), &camera, time, wait_s, &buffer, 1, nullptr));
         return layer;
     }
-    TerrellaEarth *get() const noexcept { return handle_.get(); }
+    [[nodiscard]] TerrellaEarth *get() const noexcept { return handle_.get(); }
 
 private:
-    std::size_t pixels() const noexcept { return std::size_t(width_) * height_; }
+    std::size_t pixels() const {
+        auto [width, height] = size();
+        return std::size_t(width) * height;
+    }
 
     Handle<TerrellaEarth, terrella_earth_free> handle_;
-    std::uint32_t width_;
-    std::uint32_t height_;
 };
 
 // Position and velocity of a satellite: Earth-fixed axes (ITRF), metres and metres a second.
@@ -230,62 +273,62 @@ public:
         own(scene);
     }
     // A scene of its text. Messages name `path`, and paths in the text are relative to its folder.
-    static Scene from_text(const std::string &toml, const std::string &path = "scene.toml", std::uint32_t width = 0, std::uint32_t height = 0,
-                           const std::string &textures = "", const std::string &adapter = "") {
+    [[nodiscard]] static Scene from_text(const std::string &toml, const std::string &path = "scene.toml", std::uint32_t width = 0,
+                                         std::uint32_t height = 0, const std::string &textures = "", const std::string &adapter = "") {
         TerrellaScene *scene = nullptr;
         check(terrella_scene_parse(toml.c_str(), path.c_str(), width, height, textures.empty() ? nullptr : textures.c_str(),
                                    adapter.empty() ? nullptr : adapter.c_str(), &scene));
         return Scene(scene);
     }
-    const TerrellaSceneInfo &info() const noexcept { return info_; }
-    Time start() const noexcept { return info_.start; }
-    Time end() const noexcept { return info_.end; }
+    [[nodiscard]] const TerrellaSceneInfo &info() const noexcept { return info_; }
+    [[nodiscard]] Time start() const noexcept { return info_.start; }
+    [[nodiscard]] Time end() const noexcept { return info_.end; }
     // The scene at an instant as the command displays it.
-    Image image(const Time &time, TerrellaDrawn *drawn = nullptr) const {
+    [[nodiscard]] Image image(const Time &time, TerrellaDrawn *drawn = nullptr) const {
         Image image{info_.width, info_.height, std::vector<std::uint8_t>(pixels() * 4)};
         check(terrella_scene_draw(get(), time, TERRELLA_RGBA8, image.rgba.data(), image.rgba.size(), drawn));
         return image;
     }
     // Distance of the ground along the camera's axis, metres; infinite where none is seen.
-    std::vector<float> depth_m(const Time &time) const {
+    [[nodiscard]] std::vector<float> depth_m(const Time &time) const {
         std::vector<float> depth(pixels());
         check(terrella_scene_depth(get(), time, depth.data(), depth.size()));
         return depth;
     }
-    // A truth layer of one number a pixel.
-    template <typename T>
-    Layer<T> truth(const Time &time, const std::string &name) const {
-        Layer<T> layer{name, std::vector<T>(pixels())};
+    // A truth layer. Give the number of components of a vector: truth<float, 3>(time, "normal_itrf").
+    template <typename T, std::size_t components = 1>
+    [[nodiscard]] Layer<T> truth(const Time &time, const std::string &name) const {
+        Layer<T> layer{name, std::vector<T>(pixels() * components), components};
         TerrellaLayerBuffer buffer{layer.name.c_str(), layer.values.data(), layer.values.size() * sizeof(T)};
         check(terrella_scene_truth(get(), time, &buffer, 1, nullptr));
         return layer;
     }
     // The raw frame of the scene's sensor.
-    RawFrame raw(const Time &time) const {
+    [[nodiscard]] RawFrame raw(const Time &time) const {
         RawFrame frame{0, 0, {}};
         check(terrella_scene_sensor_size(get(), &frame.width, &frame.height));
         frame.numbers.resize(std::size_t(frame.width) * frame.height);
         check(terrella_scene_raw(get(), time, frame.numbers.data(), frame.numbers.size(), nullptr));
         return frame;
     }
-    // A truth layer of one number a pixel, for the pixels of the raw frame.
-    template <typename T>
-    Layer<T> raw_truth(const Time &time, const std::string &name) const {
+    // A truth layer for the pixels of the raw frame.
+    template <typename T, std::size_t components = 1>
+    [[nodiscard]] Layer<T> raw_truth(const Time &time, const std::string &name) const {
         std::uint32_t width, height;
         check(terrella_scene_sensor_size(get(), &width, &height));
-        Layer<T> layer{name, std::vector<T>(std::size_t(width) * height)};
+        Layer<T> layer{name, std::vector<T>(std::size_t(width) * height * components), components};
         TerrellaLayerBuffer buffer{layer.name.c_str(), layer.values.data(), layer.values.size() * sizeof(T)};
         check(terrella_scene_raw_truth(get(), time, &buffer, 1, nullptr));
         return layer;
     }
     // The state of the satellite at this place in the scene, from 0.
-    State satellite(std::size_t index, const Time &time) const {
+    [[nodiscard]] State satellite(std::size_t index, const Time &time) const {
         State state;
         check(terrella_scene_satellite(get(), index, time, state.position_m.data(), state.velocity_m_s.data()));
         return state;
     }
     // The states of a satellite at `count` instants from `first` to `last`, both included: its orbit in space.
-    std::vector<State> track(std::size_t index, const Time &first, const Time &last, std::size_t count) const {
+    [[nodiscard]] std::vector<State> track(std::size_t index, const Time &first, const Time &last, std::size_t count) const {
         std::vector<State> states;
         states.reserve(count);
         double elapsed_s = last - first;
@@ -293,22 +336,26 @@ public:
             states.push_back(satellite(index, count > 1 ? first + elapsed_s * double(n) / double(count - 1) : first));
         return states;
     }
-    // The passes of a satellite over a place that are in progress at `from` or begin between it and `until`, in their order, at most `most`.
-    std::vector<Pass> passes(std::size_t index, const Place &place, const Time &from, const Time &until, std::size_t most = 1000) const {
-        std::vector<TerrellaPass> found(most);
-        TerrellaPassSearch search{place.lat_deg, place.lon_deg, place.height_m, place.min_elevation_deg, from, until};
-        std::size_t count = 0;
-        if (most > 0) check(terrella_scene_passes(get(), index, &search, found.data(), most, &count));
+    // The passes of a satellite over a place that are in progress at `from` or begin between it and `until`, in their order: the first `most`.
+    [[nodiscard]] std::vector<Pass> passes(std::size_t index, const Place &place, const Time &from, const Time &until,
+                                           std::size_t most = 1000) const {
         std::vector<Pass> passes;
-        passes.reserve(count);
-        for (std::size_t n = 0; n < count; ++n) {
-            const TerrellaPass &one = found[n];
-            passes.push_back(Pass{one.begin, one.highest, one.end, one.begin_azimuth_deg, one.highest_azimuth_deg, one.end_azimuth_deg,
-                                  one.elevation_deg, one.distance_m, one.rises, one.sets});
+        std::array<TerrellaPass, 64> page;
+        TerrellaPassSearch search{place.lat_deg, place.lon_deg, place.height_m, place.min_elevation_deg, from, until};
+        while (passes.size() < most) {
+            std::size_t left = most - passes.size(), capacity = left < page.size() ? left : page.size(), count = 0;
+            check(terrella_scene_passes(get(), index, &search, page.data(), capacity, &count));
+            for (std::size_t n = 0; n < count; ++n) {
+                const TerrellaPass &one = page[n];
+                passes.push_back(Pass{one.begin, one.highest, one.end, one.begin_azimuth_deg, one.highest_azimuth_deg, one.end_azimuth_deg,
+                                      one.elevation_deg, one.distance_m, one.rises, one.sets});
+            }
+            if (count < capacity) break;
+            search.from = page[count - 1].end;
         }
         return passes;
     }
-    TerrellaScene *get() const noexcept { return handle_.get(); }
+    [[nodiscard]] TerrellaScene *get() const noexcept { return handle_.get(); }
 
 private:
     explicit Scene(TerrellaScene *scene) { own(scene); }
@@ -323,7 +370,7 @@ private:
 };
 
 // The version of the library that is loaded, as in "0.1.0".
-inline std::string version() { return terrella_version(); }
+[[nodiscard]] inline std::string version() { return terrella_version(); }
 
 }  // namespace terrella
 

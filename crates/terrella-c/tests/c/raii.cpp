@@ -24,7 +24,12 @@ int main() {
     assert((before + 1).utc() == "2016-12-31T23:59:60.000Z");
     assert(std::fabs(terrella::Time::from_unix(1483228800.25) - after) < 1e-6);
     assert(thrown([] { terrella::Time("yesterday"); }) == TERRELLA_ARGUMENT);
-    assert(thrown([] { terrella::camera_geodetic(91, 0, 1e6, 0, -90, 45, 1); }) == TERRELLA_ARGUMENT);
+    assert(before <= after && before <= before && !(after <= before) && after > before && !(before > before));
+    assert(after >= before && after >= after && !(before >= after));
+    auto moment = before;
+    moment += 2.25;
+    assert(moment == after && (moment -= 2.25) == before);
+    assert(thrown([] { return terrella::camera_geodetic(91, 0, 1e6, 0, -90, 45, 1); }) == TERRELLA_ARGUMENT);
     assert(thrown([] { terrella::Scene("nowhere.toml"); }) == TERRELLA_SCENE);
 
     auto camera = terrella::camera_look({2e7, 0, 0}, {-1, 0, 0}, {0, 0, 1}, 45, 1.5);
@@ -51,9 +56,26 @@ int main() {
     assert(depth.size() == 48 * 32 && std::isinf(depth[0]) && depth[16 * 48 + 24] > 1.3e7f);
     assert(moved.truth<double>(camera, after, "lat_deg").values.size() == depth.size());
     // A byte count that does not match the layer.
-    assert(thrown([&] { moved.truth<float>(camera, after, "lat_deg"); }) == TERRELLA_ARGUMENT);
+    auto normals = moved.truth<float, 3>(camera, after, "normal_itrf");
+    assert(normals.components == 3 && normals.values.size() == 3 * depth.size());
+    const float *normal = &normals.values[3 * (16 * 48 + 24)];
+    assert(std::fabs(std::hypot(normal[0], normal[1], normal[2]) - 1) < 1e-5 && normal[0] > 0.9f);
+    auto layers = terrella::layers();
+    auto is_normal = [](const terrella::LayerInfo &layer) { return layer.name == "normal_itrf"; };
+    auto listed = std::find_if(layers.begin(), layers.end(), is_normal);
+    assert(listed != layers.end() && listed->components == 3 && listed->number_bytes == sizeof(float) && !listed->what.empty());
+    assert(thrown([&] { return moved.truth<float>(camera, after, "lat_deg"); }) == TERRELLA_ARGUMENT);
     moved.resize(24, 16);
     assert(moved.image(camera, after).rgba.size() == 24 * 16 * 4);
+    terrella::check(terrella_earth_resize(moved.get(), 12, 6));
+    assert(moved.width() == 12 && moved.height() == 6 && moved.aspect() == 2);
+    auto image = moved.image(camera, after);
+    assert(image.rgba.size() == 12 * 6 * 4);
+    for (std::size_t bytes : {image.rgba.size() - 4, image.rgba.size() + 3, std::size_t(0)}) {
+        auto wrong = image;
+        wrong.rgba.resize(bytes);
+        assert(thrown([&] { wrong.save("wrong.png"); }) == TERRELLA_ARGUMENT);
+    }
     moved = terrella::Earth(options);
     // The previous object is freed.
     assert(terrella_earth_resize(handle, 8, 8) == TERRELLA_HANDLE);
@@ -73,8 +95,8 @@ int main() {
     };
     double r = std::tan(std::asin(6371.0 / 16371.0)), stretch = 1 + r * r;
     assert(std::fabs(disc(1) / disc(0) / (stretch * stretch) - 1) < 0.02);
-    assert(thrown([] { terrella::Scene::from_text("[sensor]\nsize = [64, 48]\nfull_well_e = 0\n"); }) == TERRELLA_SCENE);
-    assert(thrown([] { terrella::Scene::from_text("").raw(terrella::Time("2018-06-21T12:00:00Z")); }) == TERRELLA_SCENE);
+    assert(thrown([] { return terrella::Scene::from_text("[sensor]\nsize = [64, 48]\nfull_well_e = 0\n"); }) == TERRELLA_SCENE);
+    assert(thrown([] { return terrella::Scene::from_text("").raw(terrella::Time("2018-06-21T12:00:00Z")); }) == TERRELLA_SCENE);
     // The ISS of January 2018 over Graz: the passes that `terrella orbit --passes` finds.
     auto with_tracks = [](const char *tracks) {
         return terrella::Scene::from_text(std::string("[time]\nstart = \"2018-01-20T12:00:00Z\"\n[camera]\nmode = \"geodetic\"\nlat_deg = 30\n"
@@ -105,8 +127,16 @@ int main() {
     }
     assert(plain.passes(0, {47.07, 15.44, 350, 10}, from, until, 2).size() == 2);
     assert(plain.passes(0, {47.07, 15.44, 350, 10}, from, until, 0).empty());
-    assert(thrown([&] { plain.passes(0, {97, 15, 0, 0}, from, until); }) == TERRELLA_ARGUMENT);
-    assert(thrown([&] { plain.passes(9, {47, 15, 0, 0}, from, until); }) != TERRELLA_OK);
+    assert(thrown([&] { return plain.passes(0, {97, 15, 0, 0}, from, until); }) == TERRELLA_ARGUMENT);
+    assert(thrown([&] { return plain.passes(9, {47, 15, 0, 0}, from, until); }) != TERRELLA_OK);
+    // More passes than the class reads in one call: those of a single call.
+    auto many = plain.passes(0, {47.07, 15.44, 350, 0}, from, until + 13 * 86400.0);
+    TerrellaPassSearch search{47.07, 15.44, 350, 0, from, until + 13 * 86400.0};
+    std::vector<TerrellaPass> at_once(many.size() + 10);
+    std::size_t count = 0;
+    terrella::check(terrella_scene_passes(plain.get(), 0, &search, at_once.data(), at_once.size(), &count));
+    assert(many.size() > 64 && count == many.size());
+    for (std::size_t n = 0; n < count; ++n) assert(many[n].begin == at_once[n].begin && many[n].end == at_once[n].end);
     auto track = plain.track(0, from, from + 5400, 91);
     assert(track.size() == 91);
     for (std::size_t n = 0; n < track.size(); ++n) assert(track[n].position_m == plain.satellite(0, from + 60.0 * n).position_m);
