@@ -19,6 +19,14 @@ pub enum OffscreenError {
     /// Reading an image back.
     #[error(transparent)]
     Picture(#[from] PictureError),
+    /// The image has no pixels.
+    #[error("a picture of {width} × {height} pixels is empty; width and height must be at least 1")]
+    Empty {
+        /// Width of the image.
+        width: u32,
+        /// Height of the image.
+        height: u32,
+    },
     /// The image is larger than the adapter supports.
     #[error(
         "a picture of {width} × {height} pixels exceeds the limit of {adapter}, {limit} pixels a side; \

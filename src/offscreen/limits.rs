@@ -97,6 +97,7 @@ pub fn new_truth_targets(
 
 /// Rejects images that are empty or larger than the device supports.
 pub fn check_size(gpu: &GpuContext, (width, height): (u32, u32)) -> Result<(), OffscreenError> {
+    check_not_empty((width, height))?;
     let limit = gpu.device.limits().max_texture_dimension_2d;
     match (1..=limit).contains(&width) && (1..=limit).contains(&height) {
         true => Ok(()),
@@ -106,6 +107,13 @@ pub fn check_size(gpu: &GpuContext, (width, height): (u32, u32)) -> Result<(), O
             adapter: gpu.adapter.get_info().name,
             limit,
         }),
+    }
+}
+
+fn check_not_empty((width, height): (u32, u32)) -> Result<(), OffscreenError> {
+    match width > 0 && height > 0 {
+        true => Ok(()),
+        false => Err(OffscreenError::Empty { width, height }),
     }
 }
 
@@ -176,6 +184,15 @@ mod tests {
         assert!(rejected.to_string().contains("samples = 1"), "{rejected}");
         assert!(check((4096, 4096), 1, light).is_ok());
         assert!(check((16_384, 16_384), 1, light).is_err());
+    }
+
+    #[test]
+    fn an_empty_picture_is_not_too_large() {
+        assert!(check_not_empty((1, 1)).is_ok());
+        for size in [(0, 180), (320, 0), (0, 0)] {
+            let rejected = check_not_empty(size).expect_err("empty").to_string();
+            assert!(rejected.contains("at least 1"), "{rejected}");
+        }
     }
 
     #[test]

@@ -68,7 +68,8 @@ impl From<OffscreenError> for Failure {
                 Self::argument(format!("options.exposure_ev: {words}"))
             }
             OffscreenError::NoPicture => Self::argument(format!("camera: {words}")),
-            OffscreenError::TooLarge { .. }
+            OffscreenError::Empty { .. }
+            | OffscreenError::TooLarge { .. }
             | OffscreenError::TooMuchMemory { .. }
             | OffscreenError::TruthTooLarge { .. } => Self::argument(format!("size: {words}")),
             OffscreenError::Imagery(_) => Self::file(words),

@@ -59,7 +59,8 @@ pub fn of_offscreen(error: OffscreenError) -> PyErr {
             PyValueError::new_err(format!("exposure_ev: {words}"))
         }
         OffscreenError::NoPicture => PyValueError::new_err(format!("camera: {words}")),
-        OffscreenError::TooLarge { .. }
+        OffscreenError::Empty { .. }
+        | OffscreenError::TooLarge { .. }
         | OffscreenError::TooMuchMemory { .. }
         | OffscreenError::TruthTooLarge { .. } => PyValueError::new_err(format!("size: {words}")),
         _ => Error::new_err(words),
