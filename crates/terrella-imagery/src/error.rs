@@ -1,7 +1,8 @@
 //! Errors of maps, with path, cause and remedy.
 
 use super::texel::{MAX_HEIGHT, MIN_HEIGHT, TexelFormat};
-use std::path::PathBuf;
+use std::fmt;
+use std::path::{Path, PathBuf};
 
 /// Errors of a map.
 #[derive(Debug, thiserror::Error)]
@@ -27,7 +28,7 @@ pub enum ImageryError {
         path: PathBuf,
     },
     /// A requested map is not in the folder.
-    #[error("the {layer} map {} is missing; add it or, unless it is the day map, turn the layer off", path.display())]
+    #[error("the {layer} map {} is missing{}", path.display(), Remedy { path, layer })]
     Missing {
         /// The file looked for.
         path: PathBuf,
@@ -151,4 +152,57 @@ pub enum ImageryError {
         height: u32,
         format: TexelFormat,
     },
+}
+
+/// Cause and remedy of a missing map.
+struct Remedy<'a> {
+    path: &'a Path,
+    layer: &'a str,
+}
+
+impl fmt::Display for Remedy<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let folder = self.path.parent();
+        let folder = folder.filter(|folder| !folder.as_os_str().is_empty());
+        if let Some(folder) = folder.filter(|folder| !folder.exists()) {
+            let folder = folder.display();
+            return write!(
+                f,
+                ": the folder {folder} does not exist; give a folder of maps"
+            );
+        }
+        // Nothing is drawn without the day map.
+        match self.layer {
+            "day" => f.write_str("; add it"),
+            _ => f.write_str("; add it or turn the layer off"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_missing_map_has_the_remedy_that_fits() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let words = |path: &Path, layer| {
+            let path = path.to_owned();
+            ImageryError::Missing { path, layer }.to_string()
+        };
+        let day = words(&folder.path().join("day.jpg"), "day");
+        assert!(day.ends_with("day.jpg is missing; add it"), "{day}");
+        let clouds = words(&folder.path().join("clouds.png"), "clouds");
+        let both = "clouds.png is missing; add it or turn the layer off";
+        assert!(clouds.ends_with(both), "{clouds}");
+        let nowhere = folder.path().join("nowhere");
+        for layer in ["day", "clouds"] {
+            let none = words(&nowhere.join("day.jpg"), layer);
+            let cause = format!("the folder {} does not exist", nowhere.display());
+            assert!(none.contains(&cause) && !none.contains("add it"), "{none}");
+        }
+        // In memory there is no folder.
+        let memory = words(Path::new("day.jpg"), "day");
+        assert_eq!(memory, "the day map day.jpg is missing; add it");
+    }
 }
