@@ -11,7 +11,7 @@ use terrella_play::camera::Pose;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TerrellaCamera {
-    /// The eye: Earth-fixed axes (ITRF: x to 0° E on the equator, z to the north pole), metres.
+    /// The eye: Earth-fixed axes (ITRF: x to 0° E on the equator, z to the north pole), metres; at least 6 000 000 m from the centre.
     pub eye_itrf_m: [f64; 3],
     /// Rotation from Earth-fixed axes to those of the view (x right, y up, −z forward), row by row.
     pub view_from_itrf: [f64; 9],
@@ -38,6 +38,7 @@ impl TerrellaCamera {
         if !(eye.is_finite() && rotation.is_finite() && clip_from_view.is_finite()) {
             return Err(wrong("a number is not finite"));
         }
+        check_eye(eye).map_err(|words| wrong(&format!("eye_itrf_m: {words}")))?;
         let off = (rotation * rotation.transpose() - DMat3::IDENTITY).to_cols_array();
         if off.iter().any(|off| off.abs() > 1e-6) || rotation.determinant() < 0.0 {
             return Err(wrong(
@@ -53,6 +54,20 @@ impl TerrellaCamera {
             clip_from_view,
             itrf_from_world: DAffine3::IDENTITY,
         })
+    }
+}
+
+/// Least distance of an eye from the Earth's centre, metres: below every place on the ground.
+const LEAST_EYE_M: f64 = 6e6;
+
+/// Rejects eyes deep inside the Earth, as from a program that counts in kilometres.
+fn check_eye(eye_itrf_m: DVec3) -> Result<(), String> {
+    let distance_m = eye_itrf_m.length();
+    match distance_m < LEAST_EYE_M {
+        false => Ok(()),
+        true => Err(format!(
+            "{distance_m:.0} m from the Earth's centre is inside the Earth; give metres, not kilometres"
+        )),
     }
 }
 
@@ -110,7 +125,8 @@ pub unsafe extern "C" fn terrella_camera_geodetic(
 }
 
 /// A camera at `eye_itrf_m` (three numbers, metres) that looks along `forward` with `up` upwards on screen (three numbers each, of any
-/// length).
+/// length). If `up` is parallel to `forward`, the roll is the library's choice, always the same one for the same `forward`. An eye less than
+/// 6 000 000 m from the Earth's centre is an error.
 ///
 /// # Safety
 /// Each points to three numbers; `camera` points to writable memory.
@@ -139,10 +155,66 @@ pub unsafe extern "C" fn terrella_camera_look(
             direction.ok_or_else(|| Failure::argument(format!("{name}: no direction")))
         };
         let eye = vector(eye_itrf_m, "eye_itrf_m")?;
+        check_eye(eye).map_err(|words| Failure::argument(format!("eye_itrf_m: {words}")))?;
         let (forward, up) = (direction(forward, "forward")?, direction(up, "up")?);
         let (fov_rad, aspect) = lens(fov_deg, aspect)?;
         let view = EyeView::itrf(eye, forward, up, fov_rad, aspect);
         // SAFETY: the caller's promise.
         unsafe { write(camera, "camera", TerrellaCamera::of(&view)) }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn look(eye_m: DVec3, forward: DVec3, up: DVec3) -> Result<TerrellaCamera, TerrellaStatus> {
+        let mut camera = std::mem::MaybeUninit::uninit();
+        let [eye_m, forward, up] = [eye_m, forward, up].map(|vector| vector.to_array());
+        // SAFETY: three numbers each, and writable memory, which a call that succeeds fills.
+        unsafe {
+            let status = terrella_camera_look(
+                eye_m.as_ptr(),
+                forward.as_ptr(),
+                up.as_ptr(),
+                45.0,
+                1.0,
+                camera.as_mut_ptr(),
+            );
+            match status {
+                TerrellaStatus::TERRELLA_OK => Ok(camera.assume_init()),
+                status => Err(status),
+            }
+        }
+    }
+
+    #[test]
+    fn an_eye_in_kilometres_is_rejected() {
+        let down = DVec3::NEG_X;
+        assert!(look(DVec3::X * 6_778e3, down, DVec3::Z).is_ok());
+        // The pole is nearest to the centre.
+        assert!(look(DVec3::Z * 6_356_752.0, down, DVec3::X).is_ok());
+        let status = look(DVec3::X * 6_778.0, down, DVec3::Z).expect_err("kilometres");
+        assert_eq!(status, TerrellaStatus::TERRELLA_ARGUMENT);
+        let mut camera = look(DVec3::X * 6_778e3, down, DVec3::Z).expect("above the ground");
+        camera.eye_itrf_m = [6_778.0, 0.0, 0.0];
+        let failure = camera.view("camera").expect_err("kilometres");
+        let words = failure.words;
+        assert!(
+            words.contains("camera: eye_itrf_m: 6778 m") && words.contains("metres"),
+            "{words}"
+        );
+    }
+
+    #[test]
+    fn up_along_forward_gives_a_view_all_the_same() {
+        let (eye_m, down) = (DVec3::X * 2e7, DVec3::NEG_X);
+        for up in [down, -down] {
+            let camera = look(eye_m, down, up).expect("a view");
+            assert!(camera.view("camera").is_ok());
+            assert_eq!(Ok(camera), look(eye_m, down, up * 3.0));
+            let back = DVec3::from_slice(&camera.view_from_itrf[6..]);
+            assert!((back - DVec3::X).length() < 1e-12, "{back}");
+        }
+    }
 }

@@ -40,6 +40,26 @@ pub struct TerrellaOptions {
     pub directional_reflectance: u8,
 }
 
+impl TerrellaOptions {
+    /// Rejects switches that are neither 0 nor 1: bytes of a program that did not fill its options.
+    fn check_switches(&self) -> Result<(), Failure> {
+        let switches = [
+            ("auto_exposure", self.auto_exposure),
+            ("air", self.air),
+            ("clouds", self.clouds),
+            ("night_lights", self.night_lights),
+            ("detail", self.detail),
+            ("directional_reflectance", self.directional_reflectance),
+        ];
+        match switches.iter().find(|(_, value)| *value > 1) {
+            None => Ok(()),
+            Some((name, value)) => Err(Failure::argument(format!(
+                "options.{name}: {value} is neither 0 nor 1; fill the options with terrella_options_default first"
+            ))),
+        }
+    }
+}
+
 /// Fills options with the defaults: 800 × 450 pixels, one sample each, the starter maps, the best adapter.
 ///
 /// # Safety
@@ -93,11 +113,12 @@ impl Wanted {
                 options.samples
             )));
         }
+        options.check_switches()?;
         let exposure = match options.auto_exposure != 0 {
             true => Exposure::Auto,
             false => Exposure::Ev(options.exposure_ev),
         };
-        let folder = folder(textures)?;
+        let folder = folder(textures, "options.textures")?;
         let wanted = LayerSelection {
             clouds: options.clouds != 0,
             night_lights: options.night_lights != 0,
@@ -122,10 +143,65 @@ impl Wanted {
     }
 }
 
-/// The folder of maps.
-pub(crate) fn folder(given: Option<&str>) -> Result<PathBuf, Failure> {
-    match given {
-        Some(folder) => Ok(PathBuf::from(folder)),
-        None => find_textures().map_err(Failure::file),
+/// The folder of maps, which exists.
+pub(crate) fn folder(given: Option<&str>, name: &str) -> Result<PathBuf, Failure> {
+    let Some(given) = given else {
+        return find_textures().map_err(Failure::file);
+    };
+    let folder = PathBuf::from(given);
+    if folder.is_dir() {
+        return Ok(folder);
+    }
+    let fault = match folder.exists() {
+        true => "is not a folder",
+        false => "does not exist",
+    };
+    Err(Failure::file(format!(
+        "{name}: {given} {fault}; give a folder of maps, or null for the default one"
+    )))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::mem::MaybeUninit;
+
+    #[test]
+    fn switches_are_0_or_1() {
+        let mut options = MaybeUninit::uninit();
+        // SAFETY: writable memory, which the call fills.
+        let default = unsafe {
+            let status = terrella_options_default(options.as_mut_ptr());
+            assert_eq!(status, TerrellaStatus::TERRELLA_OK);
+            options.assume_init()
+        };
+        assert!(default.check_switches().is_ok());
+        let wrong = TerrellaOptions { air: 7, ..default };
+        let failure = wrong.check_switches().expect_err("neither");
+        assert_eq!(failure.status, TerrellaStatus::TERRELLA_ARGUMENT);
+        assert!(
+            failure.words.starts_with("options.air: 7 "),
+            "{}",
+            failure.words
+        );
+    }
+
+    #[test]
+    fn a_folder_of_maps_exists() {
+        let here = tempfile::tempdir().expect("a folder");
+        let given = here.path().to_str().expect("UTF-8");
+        assert_eq!(folder(Some(given), "textures").expect("there"), here.path());
+        let file = here.path().join("file");
+        std::fs::write(&file, "").expect("written");
+        for (path, named) in [
+            (here.path().join("none"), "does not exist"),
+            (file, "is not a folder"),
+        ] {
+            let given = path.to_str().expect("UTF-8");
+            let failure = folder(Some(given), "textures").expect_err("no folder");
+            assert_eq!(failure.status, TerrellaStatus::TERRELLA_FILE);
+            let words = failure.words;
+            assert!(words.contains(given) && words.contains(named), "{words}");
+        }
     }
 }

@@ -149,7 +149,7 @@ pub unsafe extern "C" fn terrella_write_png(
             .and_then(|pixels| pixels.checked_mul(4))
             .ok_or_else(|| {
                 Failure::argument(format!(
-                    "width, height: a picture of {width} × {height} pixels"
+                    "width, height: a picture of {width} × {height} pixels cannot be written; both must be at least 1, and the picture must fit into memory"
                 ))
             })?;
         // SAFETY: the caller's promise: so many bytes.

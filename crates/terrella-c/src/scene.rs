@@ -111,7 +111,7 @@ unsafe fn open(
     let adapter = unsafe { text_if_any(adapter, "adapter") }?;
     let mut read =
         read.map_err(|error| Failure::new(TerrellaStatus::TERRELLA_SCENE, error.to_string()))?;
-    take_starter_files(&mut read, &folder(textures)?);
+    take_starter_files(&mut read, &folder(textures, "textures")?);
     let size = Some(size).filter(|size| *size != (0, 0));
     let pictures = ScenePictures::of_scene(read, adapter, size)?;
     // SAFETY: the caller's promise.

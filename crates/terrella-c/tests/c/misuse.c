@@ -67,6 +67,8 @@ int main(int argc, char **argv) {
     EXPECT(terrella_camera_geodetic(0, 0, 1e7, 0, -90, 45, 1, NULL), TERRELLA_NULL, "camera");
     double eye[3] = {2e7, 0, 0}, nowhere[3] = {0, 0, 0}, up[3] = {0, 0, 1}, lost[3] = {NAN, 0, 0};
     EXPECT(terrella_camera_look(eye, nowhere, up, 45, 1, &camera), TERRELLA_ARGUMENT, "forward");
+    double km[3] = {6778, 0, 0};
+    EXPECT(terrella_camera_look(km, up, up, 45, 1, &camera), TERRELLA_ARGUMENT, "metres");
     EXPECT(terrella_camera_look(lost, up, up, 45, 1, &camera), TERRELLA_ARGUMENT, "eye_itrf_m");
     EXPECT(terrella_camera_look(eye, up, NULL, 45, 1, &camera), TERRELLA_NULL, "up");
     EXPECT(terrella_camera_geodetic(0, 0, 1e7, 0, -90, 45, 32.0 / 18, &camera), TERRELLA_OK, "");
@@ -84,6 +86,10 @@ int main(int argc, char **argv) {
     wrong = options;
     wrong.width = 0;
     EXPECT(terrella_earth_new(&wrong, &earth), TERRELLA_ARGUMENT, "size");
+    EXPECT(terrella_earth_new(&wrong, &earth), TERRELLA_ARGUMENT, "at least 1");
+    wrong = options;
+    wrong.air = 7;
+    EXPECT(terrella_earth_new(&wrong, &earth), TERRELLA_ARGUMENT, "options.air");
     wrong = options;
     wrong.exposure_ev = NAN;
     EXPECT(terrella_earth_new(&wrong, &earth), TERRELLA_ARGUMENT, "exposure_ev");
@@ -191,6 +197,7 @@ int main(int argc, char **argv) {
     TerrellaScene *scene = NULL;
     EXPECT(terrella_scene_open(NULL, 0, 0, NULL, NULL, &scene), TERRELLA_NULL, "path");
     EXPECT(terrella_scene_open(argv[1], 0, 0, NULL, NULL, NULL), TERRELLA_NULL, "scene");
+    EXPECT(terrella_scene_open(argv[1], 32, 18, "/nowhere", NULL, &scene), TERRELLA_FILE, "/nowhere does not exist");
     EXPECT(terrella_scene_open("/nowhere.toml", 0, 0, NULL, NULL, &scene), TERRELLA_SCENE, "/nowhere.toml");
     EXPECT(terrella_scene_open(argv[1], 0, 18, NULL, NULL, &scene), TERRELLA_ARGUMENT, "size");
     EXPECT(terrella_scene_open(argv[1], 32, 18, NULL, NULL, &scene), TERRELLA_OK, "");
@@ -279,6 +286,7 @@ int main(int argc, char **argv) {
     EXPECT(terrella_write_png(NULL, pixels, 4, 4), TERRELLA_NULL, "path");
     EXPECT(terrella_write_png("a.png", NULL, 4, 4), TERRELLA_NULL, "rgba");
     EXPECT(terrella_write_png("a.png", pixels, 0, 4), TERRELLA_ARGUMENT, "width");
+    EXPECT(terrella_write_png("a.png", pixels, 4, 0), TERRELLA_ARGUMENT, "at least 1");
     EXPECT(terrella_write_png("/nowhere/a.png", pixels, 4, 4), TERRELLA_FILE, "/nowhere");
 
     // Vulkan calls that need no Vulkan.
