@@ -264,7 +264,7 @@ struct Pass {
 // A scene file with a device of its own.
 class Scene {
 public:
-    // Width and height 0 take the scene's; empty texts take the default maps and the best adapter.
+    // `path` names a scene or an orbit file. Width and height 0 take the scene's; empty texts take the default maps and the best adapter.
     explicit Scene(const std::string &path, std::uint32_t width = 0, std::uint32_t height = 0, const std::string &textures = "",
                    const std::string &adapter = "") {
         TerrellaScene *scene = nullptr;

@@ -42,7 +42,8 @@ pub struct TerrellaSceneInfo {
     pub satellites: usize,
 }
 
-/// Reads a scene file and the files that it names, and opens a graphics adapter. `width` and `height` are the image size; with both 0 it is
+/// Reads a scene file and the files that it names, and opens a graphics adapter. In place of a scene `path` may name an orbit file of one
+/// satellite, as for the command: the scene is then the default one with this satellite. `width` and `height` are the image size; with both 0 it is
 /// the scene's. `textures` is the folder of default maps, null as in `TerrellaOptions`. `adapter` is a part of the adapter's name, null
 /// takes the best. Free the scene with `terrella_scene_free`.
 ///
@@ -61,7 +62,7 @@ pub unsafe extern "C" fn terrella_scene_open(
         check_out(scene, "scene")?;
         // SAFETY: the caller's promise about its texts, here and below.
         let path = Path::new(unsafe { text(path, "path") }?);
-        let read = Scene::load(path);
+        let read = Scene::load_or_orbits(path, &[]);
         // SAFETY: the same.
         unsafe { open(read, (width, height), textures, adapter, scene) }
     })

@@ -213,7 +213,8 @@ fn classes_of_cpp_throw_and_free() {
         libraries: &[],
         name: "raii",
     };
-    run(&build(&program, out.path()), out.path(), &[]);
+    let orbit = folder().join("../../config/orbits/iss.tle");
+    run(&build(&program, out.path()), out.path(), &[&orbit]);
 }
 
 #[test]

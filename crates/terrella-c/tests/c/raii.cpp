@@ -16,7 +16,8 @@ static TerrellaStatus thrown(F call) {
     return TERRELLA_OK;
 }
 
-int main() {
+int main(int argc, char **argv) {
+    assert(argc == 2);
     terrella::Time before("2016-12-31T23:59:59Z"), after("2017-01-01T00:00:00.25Z");
     // A leap second lies between them.
     assert(after - before == 2.25 && before < after && before != after);
@@ -97,6 +98,10 @@ int main() {
     assert(std::fabs(disc(1) / disc(0) / (stretch * stretch) - 1) < 0.02);
     assert(thrown([] { return terrella::Scene::from_text("[sensor]\nsize = [64, 48]\nfull_well_e = 0\n"); }) == TERRELLA_SCENE);
     assert(thrown([] { return terrella::Scene::from_text("").raw(terrella::Time("2018-06-21T12:00:00Z")); }) == TERRELLA_SCENE);
+    // An orbit file in place of a scene begins at the epoch of its elements.
+    terrella::Scene orbit(argv[1], 32, 18);
+    assert(orbit.info().satellites == 1 && orbit.start().utc().compare(0, 16, "2018-01-20T21:33") == 0);
+    assert(std::hypot(orbit.satellite(0, orbit.start()).position_m[0], orbit.satellite(0, orbit.start()).position_m[1]) < 6.9e6);
     // The ISS of January 2018 over Graz: the passes that `terrella orbit --passes` finds.
     auto with_tracks = [](const char *tracks) {
         return terrella::Scene::from_text(std::string("[time]\nstart = \"2018-01-20T12:00:00Z\"\n[camera]\nmode = \"geodetic\"\nlat_deg = 30\n"
