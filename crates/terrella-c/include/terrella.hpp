@@ -237,11 +237,35 @@ private:
     Handle<TerrellaEarth, terrella_earth_free> handle_;
 };
 
-// Position and velocity of a satellite: Earth-fixed axes (ITRF), metres and metres a second.
+// Position and velocity of a satellite: Earth-fixed axes (ITRF), metres and metres per second. The velocity is relative to the rotating Earth.
 struct State {
     std::array<double, 3> position_m;
     std::array<double, 3> velocity_m_s;
 };
+
+// The rotation from GCRF to ITRF axes at an instant, row by row; see terrella_itrf_from_gcrf.
+[[nodiscard]] inline std::array<double, 9> itrf_from_gcrf(const Time &time) {
+    std::array<double, 9> matrix;
+    check(terrella_itrf_from_gcrf(time, matrix.data()));
+    return matrix;
+}
+
+// A position or direction in GCRF axes, as it is in ITRF axes at an instant.
+[[nodiscard]] inline std::array<double, 3> gcrf_to_itrf(const std::array<double, 3> &gcrf, const Time &time) {
+    auto matrix = itrf_from_gcrf(time);
+    std::array<double, 3> itrf;
+    for (std::size_t row = 0; row < 3; ++row)
+        itrf[row] = matrix[3 * row] * gcrf[0] + matrix[3 * row + 1] * gcrf[1] + matrix[3 * row + 2] * gcrf[2];
+    return itrf;
+}
+
+// A state in ITRF axes from position and velocity in GCRF axes, whose velocity is relative to the stars.
+[[nodiscard]] inline State gcrf_to_itrf(const std::array<double, 3> &position_m, const std::array<double, 3> &velocity_m_s, const Time &time) {
+    State itrf{gcrf_to_itrf(position_m, time), gcrf_to_itrf(velocity_m_s, time)};
+    itrf.velocity_m_s[0] += TERRELLA_EARTH_ROTATION_RAD_S * itrf.position_m[1];
+    itrf.velocity_m_s[1] -= TERRELLA_EARTH_ROTATION_RAD_S * itrf.position_m[0];
+    return itrf;
+}
 
 // Where passes are looked for: a place (degrees, metres) and an elevation mask (degrees).
 struct Place {

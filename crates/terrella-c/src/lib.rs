@@ -3,6 +3,7 @@
 //! No function lets a panic escape. Handles are not addresses but numbers in a table. A handle that is null, freed or of another kind is detected
 //! and reported with a status.
 
+mod axes;
 mod camera;
 mod earth;
 mod failure;
@@ -19,6 +20,7 @@ mod version;
 #[cfg(all(unix, not(target_vendor = "apple")))]
 mod vulkan;
 
+pub use axes::*;
 pub use camera::*;
 pub use earth::*;
 pub use failure::*;

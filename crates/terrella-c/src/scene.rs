@@ -161,8 +161,8 @@ pub unsafe extern "C" fn terrella_scene_info(
     })
 }
 
-/// Position and velocity of a satellite of a scene at an instant: Earth-fixed axes (ITRF), metres and metres a second, three numbers each.
-/// `index` counts from 0 in the scene's order; `velocity_m_s` may be null.
+/// Position and velocity of a satellite of a scene at an instant: Earth-fixed axes (ITRF), metres and metres per second, three numbers
+/// each. The velocity is relative to the rotating Earth. `index` counts from 0 in the scene's order; `velocity_m_s` may be null.
 ///
 /// # Safety
 /// Each has room for three numbers.

@@ -55,6 +55,7 @@ int main(int argc, char **argv) {
     if (other.tai_s != noon.tai_s || other.tai_ns != noon.tai_ns) failures++, fprintf(stderr, "two ways to noon differ\n");
     EXPECT(terrella_time_add(noon, INFINITY, &other), TERRELLA_ARGUMENT, "elapsed_s");
     EXPECT(terrella_time_add(noon, 1e10 - 1, &other), TERRELLA_ARGUMENT, "elapsed_s");
+    EXPECT(terrella_itrf_from_gcrf(noon, NULL), TERRELLA_NULL, "matrix");
     char text[40];
     EXPECT(terrella_time_text(noon, text, 5), TERRELLA_ARGUMENT, "bytes");
     EXPECT(terrella_time_text(noon, NULL, 40), TERRELLA_NULL, "text");

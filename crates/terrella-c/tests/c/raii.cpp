@@ -35,6 +35,14 @@ int main(int argc, char **argv) {
 
     auto camera = terrella::camera_look({2e7, 0, 0}, {-1, 0, 0}, {0, 0, 1}, 45, 1.5);
     assert(camera.eye_itrf_m[0] == 2e7);
+    // Vallado 2013, example 3-15, with the time of UT1: what is left is polar motion.
+    auto itrf = terrella::gcrf_to_itrf({5102508.9579, 6123011.4007, 6378136.9282}, {-4743.220157, 790.536497, 5533.755727},
+                                       terrella::Time("2004-04-06T07:51:27.946047Z"));
+    const double position_m[3] = {-1033479.383, 7901295.2754, 6380356.5958}, velocity_m_s[3] = {-3225.63652, -2872.45145, 5531.924446};
+    for (int axis = 0; axis < 3; ++axis) {
+        assert(std::fabs(itrf.position_m[axis] - position_m[axis]) < 20);
+        assert(std::fabs(itrf.velocity_m_s[axis] - velocity_m_s[axis]) < 0.03);
+    }
     auto options = terrella::default_options();
     options.width = 48;
     options.height = 32;
