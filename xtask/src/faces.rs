@@ -129,13 +129,13 @@ fn lay_out(root: &Path, built: &[PathBuf], prefix: &Path, libraries: &str) -> an
     let archive = "libterrella_c.a";
     copy_whole(library(archive)?, &lib.join(archive), false)?;
     strip_debug_lines(&lib.join(archive))?;
-    let named = lib.join("libterrella_c.so.0");
+    let named = lib.join("libterrella_c.so.0.1");
     copy_whole(library("libterrella_c.so")?, &named, true)?;
     #[cfg(unix)]
     {
         let (link, new) = (lib.join("libterrella_c.so"), lib.join(".libterrella_c.so"));
         let _ = fs::remove_file(&new);
-        std::os::unix::fs::symlink("libterrella_c.so.0", &new)?;
+        std::os::unix::fs::symlink("libterrella_c.so.0.1", &new)?;
         fs::rename(new, link)?;
     }
     let list = libraries.split_whitespace().collect::<Vec<_>>().join(";");

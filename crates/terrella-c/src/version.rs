@@ -2,11 +2,11 @@
 
 use std::ffi::{CStr, c_char};
 
-/// First part of the version of this header. A library of another first part has another soname.
+/// The major version of this header. A library of another major version has another soname, and before 1.0 one of another minor version.
 pub const TERRELLA_VERSION_MAJOR: u32 = 0;
-/// Second part of the version of this header.
+/// The minor version of this header.
 pub const TERRELLA_VERSION_MINOR: u32 = 1;
-/// Third part of the version of this header.
+/// The patch version of this header.
 pub const TERRELLA_VERSION_PATCH: u32 = 0;
 
 const VERSION: &CStr =

@@ -74,7 +74,7 @@ fn build(build: &Build<'_>, out: &Path) -> PathBuf {
         String::from_utf8_lossy(&output.stderr)
     );
     // The file name of the installed library.
-    let named = out.join("libterrella_c.so.0");
+    let named = out.join(env!("TERRELLA_SONAME"));
     if !named.exists() {
         std::fs::copy(libraries.join("libterrella_c.so"), named).expect("copied");
     }
