@@ -212,7 +212,7 @@ fn reach_is_thirty_days_both_ways() {
     ] {
         let error = iss.state_at(outside).unwrap_err().to_string();
         let expected = format!(
-            "ISS (ZARYA) is not known at {}: its elements hold from 2017-12-21T21:33:14.841Z to 2018-02-19T21:33:14.841Z",
+            "ISS (ZARYA) is not known at {}: its elements are valid from 2017-12-21T21:33:14.841Z to 2018-02-19T21:33:14.841Z",
             rfc3339(outside)
         );
         assert!(error.starts_with(&expected), "{error}");

@@ -190,7 +190,7 @@ pub enum OrbitError {
     Live(#[from] super::live::LiveError),
     /// The epoch is outside the feed's validity interval.
     #[error(
-        "{satellite} is not known at {epoch}: its elements hold from {first} to {last}; change the date or take elements of that time"
+        "{satellite} is not known at {epoch}: its elements are valid from {first} to {last}; change the date or take elements of that time"
     )]
     OutsideValidity {
         satellite: String,

@@ -210,7 +210,7 @@ impl Scene {
             ..slot.clone()
         };
         self.notices.push(format!(
-            "{STAND_IN} is not where the International Space Station is at {}: the station's built-in elements hold from {} to {}, so an orbit of its size and inclination is flown; for the station itself name elements of that time with file in [orbit]",
+            "{STAND_IN} is not where the International Space Station is at {}: the station's built-in elements are valid from {} to {}, so an orbit of its size and inclination is flown; for the station itself name elements of that time with file in [orbit]",
             utc(start),
             utc(validity.0),
             utc(validity.1)
