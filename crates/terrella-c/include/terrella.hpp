@@ -6,6 +6,10 @@
 #ifndef TERRELLA_HPP
 #define TERRELLA_HPP
 
+#if !(__cplusplus >= 201703L || (defined(_MSVC_LANG) && _MSVC_LANG >= 201703L))
+#error "terrella.hpp needs C++17: compile with -std=c++17 or later, or /std:c++17"
+#endif
+
 #include "terrella.h"
 
 #include <array>
@@ -100,7 +104,7 @@ private:
     return options;
 }
 
-// A displayed image: four bytes a pixel (red, green, blue in sRGB, opacity), rows from the top.
+// A displayed image: four bytes per pixel (red, green, blue in sRGB, opacity), rows from the top.
 struct Image {
     std::uint32_t width = 0;
     std::uint32_t height = 0;
@@ -206,7 +210,7 @@ public:
         check(terrella_earth_draw(get(), &camera, time, wait_s, TERRELLA_RGBA8, image.rgba.data(), image.rgba.size(), drawn));
         return image;
     }
-    // Linear light: red, green, blue and a fourth number that is no light.
+    // Linear light: red, green, blue and an unused fourth number.
     [[nodiscard]] std::vector<float> radiance(const TerrellaCamera &camera, const Time &time, double wait_s = 30) const {
         std::vector<float> light(pixels() * 4);
         check(terrella_earth_draw(get(), &camera, time, wait_s, TERRELLA_RGBA32F, light.data(), light.size() * sizeof(float), nullptr));

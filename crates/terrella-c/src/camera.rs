@@ -42,7 +42,7 @@ impl TerrellaCamera {
         let off = (rotation * rotation.transpose() - DMat3::IDENTITY).to_cols_array();
         if off.iter().any(|off| off.abs() > 1e-6) || rotation.determinant() < 0.0 {
             return Err(wrong(
-                "view_from_itrf is no rotation: its rows must be unit vectors at right angles, right-handed",
+                "view_from_itrf is not a rotation: its rows must be unit vectors at right angles, right-handed",
             ));
         }
         if clip_from_view.determinant() == 0.0 {

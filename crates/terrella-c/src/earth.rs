@@ -19,10 +19,10 @@ pub struct TerrellaEarth {
 
 const KIND: &str = "an Earth";
 
-/// Opens a graphics adapter and creates an Earth. Free it with `terrella_earth_free`.
+/// Opens a graphics adapter and creates an Earth. Free it with `terrella_earth_free`. On failure `*earth` is unchanged.
 ///
 /// # Safety
-/// `options` points to options whose texts end with zero bytes; `earth` has room.
+/// `options` points to options whose texts end with zero bytes; `earth` points to writable memory.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_earth_new(
     options: *const TerrellaOptions,
@@ -39,7 +39,8 @@ pub unsafe extern "C" fn terrella_earth_new(
     })
 }
 
-/// Frees an Earth. A null or freed handle is an error.
+/// Frees an Earth. A null or freed handle is an error. Any thread may call it, also while another one draws with this Earth: that call is
+/// completed, and every later one is `TERRELLA_HANDLE`.
 #[unsafe(no_mangle)]
 pub extern "C" fn terrella_earth_free(earth: *mut TerrellaEarth) -> TerrellaStatus {
     answer(|| handles::remove(earth, KIND, "earth"))
@@ -119,11 +120,13 @@ unsafe fn asked(
     Ok((view, Sky::at(time.epoch("time")?)))
 }
 
-/// Draws a picture and writes it to `pixels`, rows from the top without padding: `bytes` is width × height × 4, 8 or 16 by its format.
-/// Waits for the device, and for tiles at most `wait_s` seconds. 0 draws the tiles that have arrived, for real time. `drawn` may be null.
+/// Draws a picture and writes it to `pixels`, rows from the top without padding: `bytes` is width × height × 4, 8 or 16 by its format. Any
+/// other number is `TERRELLA_ARGUMENT`, and nothing is drawn or written. Waits for the device, and for tiles at most `wait_s` seconds. 0 draws
+/// the tiles that have arrived, for real time. `drawn` may be null.
 ///
 /// # Safety
-/// `camera` points to a camera; `pixels` to so many bytes, which nobody else uses during the call; `drawn` is null or has room.
+/// `camera` points to a camera; `pixels` points to `bytes` bytes, which nobody else uses during the call; `drawn` is null or points to
+/// writable memory.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_earth_draw(
     earth: *mut TerrellaEarth,
@@ -152,11 +155,11 @@ pub unsafe extern "C" fn terrella_earth_draw(
     })
 }
 
-/// Writes the distance of the ground along the camera's axis, metres, to `depth_m`: `count` is width × height. Infinite where no ground is
-/// visible.
+/// Writes the distance of the ground along the camera's axis, metres, to `depth_m`: `count` is width × height, and any other number is
+/// `TERRELLA_ARGUMENT`. Infinite where no ground is visible.
 ///
 /// # Safety
-/// `camera` points to a camera; `depth_m` to so many floats, which nobody else uses during the call.
+/// `camera` points to a camera; `depth_m` points to `count` floats, which nobody else uses during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_earth_depth(
     earth: *mut TerrellaEarth,
@@ -180,11 +183,12 @@ pub unsafe extern "C" fn terrella_earth_depth(
     })
 }
 
-/// Writes truth layers, each to its own buffer. The view is rendered once for all of them. `drawn` may be null.
+/// Writes truth layers, each to its own buffer. The view is rendered once for all of them. A buffer of another size than the layer is
+/// `TERRELLA_ARGUMENT`, and nothing is written. With a `count` of 0, `layers` may be null. `drawn` may be null.
 ///
 /// # Safety
-/// `camera` points to a camera; `layers` to so many values, whose texts end with zero bytes and whose rooms have as many bytes as they say,
-/// do not overlap, and are used by nobody else during the call; `drawn` is null or has room.
+/// `camera` points to a camera; `layers` points to `count` values. Their texts end with zero bytes. Their buffers have the bytes that they
+/// name, do not overlap, and nobody else uses them during the call. `drawn` is null or points to writable memory.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_earth_truth(
     earth: *mut TerrellaEarth,

@@ -18,7 +18,7 @@ pub enum TerrellaStatus {
     TERRELLA_NULL = 1,
     /// An argument is out of range or invalid.
     TERRELLA_ARGUMENT = 2,
-    /// A handle that is freed, was never made, or belongs to another type.
+    /// A freed handle, a value that was never a handle, or a handle of another type.
     TERRELLA_HANDLE = 3,
     /// A scene is invalid, or does not cover the requested time.
     TERRELLA_SCENE = 4,

@@ -65,7 +65,7 @@ fn check<'t>(
         return Err(wrong(
             match number <= table.last && number.is_multiple_of(STEP) {
                 true => format!("{name} is freed already"),
-                false => format!("{name} is no handle of this library"),
+                false => format!("{name} is not a handle of this library"),
             },
         ));
     };
@@ -100,7 +100,7 @@ pub fn with<H, T: Send + 'static, R>(
         Arc::clone(&entry.value)
     };
     let Some(value) = value.downcast_ref::<Mutex<T>>() else {
-        return Err(wrong(format!("{name} is no handle of {kind}")));
+        return Err(wrong(format!("{name} is not a handle of {kind}")));
     };
     match value.lock() {
         Ok(mut value) => work(&mut value),
@@ -165,7 +165,29 @@ mod tests {
         assert_eq!(null.0, TerrellaStatus::TERRELLA_NULL);
         let local = 0_i32;
         let stray = use_it((&raw const local).cast_mut().cast(), "a thing").expect_err("stray");
-        assert!(stray.1.contains("no handle of this library"), "{}", stray.1);
+        assert!(
+            stray.1.contains("not a handle of this library"),
+            "{}",
+            stray.1
+        );
+    }
+
+    #[test]
+    fn a_handle_freed_during_a_call_lives_until_its_end() {
+        let handle: *mut Thing = insert("a thing", vec![1, 2, 3]);
+        let number = handle.addr();
+        let seen = with(handle, "a thing", "thing", |value: &mut Vec<i32>| {
+            let other = std::thread::spawn(move || {
+                let handle: *mut Thing = std::ptr::without_provenance_mut(number);
+                remove(handle, "a thing", "thing").is_ok()
+            });
+            assert!(other.join().expect("a thread"));
+            value.push(4);
+            Ok(value.len())
+        });
+        assert_eq!(seen.expect("alive"), 4);
+        let later = with(handle, "a thing", "thing", |_: &mut Vec<i32>| Ok(())).expect_err("freed");
+        assert_eq!(later.status, TerrellaStatus::TERRELLA_HANDLE);
     }
 
     #[test]

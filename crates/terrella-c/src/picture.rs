@@ -103,17 +103,17 @@ pub(crate) unsafe fn draw_into(
     }
     let drawing = match format {
         TERRELLA_RGBA8 => {
-            // SAFETY: the caller's promise: so many bytes.
+            // SAFETY: the caller's promise: a buffer of this size.
             let rgba = unsafe { buffer(pixels.cast::<u8>(), needed, "pixels") }?;
             source.color(rgba)?
         }
         TERRELLA_RGBA32F => {
-            // SAFETY: the caller's promise: so many bytes; alignment is checked.
+            // SAFETY: the caller's promise: a buffer of this size; alignment is checked.
             let light = unsafe { buffer(pixels.cast::<f32>(), needed / 4, "pixels") }?;
             source.light(light)?
         }
         _ => {
-            // SAFETY: the caller's promise: so many bytes; alignment is checked.
+            // SAFETY: the caller's promise: a buffer of this size; alignment is checked.
             let halves = unsafe { buffer(pixels.cast::<u16>(), needed / 2, "pixels") }?;
             let mut light = vec![0.0; halves.len()];
             let drawing = source.light(&mut light)?;
@@ -149,10 +149,10 @@ pub unsafe extern "C" fn terrella_write_png(
             .and_then(|pixels| pixels.checked_mul(4))
             .ok_or_else(|| {
                 Failure::argument(format!(
-                    "width, height: a picture of {width} × {height} pixels cannot be written; both must be at least 1, and the picture must fit into memory"
+                    "width, height: a picture of {width} × {height} pixels cannot be written; both must be at least 1, and their product must fit memory"
                 ))
             })?;
-        // SAFETY: the caller's promise: so many bytes.
+        // SAFETY: the caller's promise: a buffer of this size.
         let rgba = unsafe { row(rgba, bytes, "rgba") }?;
         let write = PendingFile::create(Path::new(path), "pictures", "png").and_then(|file| {
             // The length matches the size.

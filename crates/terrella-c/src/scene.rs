@@ -36,19 +36,19 @@ pub struct TerrellaSceneInfo {
     pub end: TerrellaTime,
     /// Frames of one playback.
     pub frames: u64,
-    /// Frames a second of playback.
+    /// Frames per second of playback.
     pub frame_rate_hz: f64,
     /// Satellites.
     pub satellites: usize,
 }
 
 /// Reads a scene file and the files that it names, and opens a graphics adapter. In place of a scene `path` may name an orbit file of one
-/// satellite, as for the command: the scene is then the default one with this satellite. `width` and `height` are the image size; with both 0 it is
-/// the scene's. `textures` is the folder of default maps, null as in `TerrellaOptions`. `adapter` is a part of the adapter's name, null
-/// takes the best. Free the scene with `terrella_scene_free`.
+/// satellite, as for the command: the scene is then the default one with this satellite. `width` and `height` are the image size; with both
+/// 0 it is the scene's. `textures` is the folder of default maps, null as in `TerrellaOptions`. `adapter` is a part of the adapter's name,
+/// null takes the best. Free the scene with `terrella_scene_free`. On failure `*scene` is unchanged.
 ///
 /// # Safety
-/// Texts end with zero bytes; `scene` has room.
+/// Texts end with zero bytes; `scene` points to writable memory.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_scene_open(
     path: *const c_char,
@@ -98,7 +98,7 @@ pub unsafe extern "C" fn terrella_scene_parse(
 /// Opens a scene's inputs, and an adapter.
 ///
 /// # Safety
-/// Texts end with zero bytes; `scene` has room.
+/// Texts end with zero bytes; `scene` points to writable memory.
 unsafe fn open(
     read: Result<Scene, SceneError>,
     size: (u32, u32),
@@ -127,7 +127,7 @@ pub(crate) fn with_scene<T>(
     handles::with(scene, KIND, "scene", work)
 }
 
-/// Frees a scene. A null or freed handle is an error.
+/// Frees a scene. A null or freed handle is an error. Any thread may call it, as `terrella_earth_free`.
 #[unsafe(no_mangle)]
 pub extern "C" fn terrella_scene_free(scene: *mut TerrellaScene) -> TerrellaStatus {
     answer(|| handles::remove(scene, KIND, "scene"))
@@ -165,7 +165,7 @@ pub unsafe extern "C" fn terrella_scene_info(
 /// each. The velocity is relative to the rotating Earth. `index` counts from 0 in the scene's order; `velocity_m_s` may be null.
 ///
 /// # Safety
-/// Each has room for three numbers.
+/// Each points to writable memory for three numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_scene_satellite(
     scene: *mut TerrellaScene,

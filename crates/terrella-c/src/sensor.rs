@@ -30,11 +30,11 @@ pub unsafe extern "C" fn terrella_scene_sensor_size(
 }
 
 /// Draws the raw frame of the sensor of a scene at an instant, by the scene's camera, and writes its numbers to `numbers`, rows from the
-/// top: those of the converter, from 0 to 2^bits − 1, as `terrella frame --raw` writes them. `count` is width × height of the sensor. Of
-/// `drawn`, which may be null, only `missing_tiles` is set.
+/// top: those of the converter, from 0 to 2^bits − 1, as `terrella frame --raw` writes them. `count` is width × height of the sensor, and any
+/// other number is `TERRELLA_ARGUMENT`. Of `drawn`, which may be null, only `missing_tiles` is set.
 ///
 /// # Safety
-/// `numbers` points to so many values, which nobody else uses during the call; `drawn` is null or has room.
+/// `numbers` points to `count` values, which nobody else uses during the call; `drawn` is null or points to writable memory.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_scene_raw(
     scene: *mut TerrellaScene,
@@ -91,7 +91,7 @@ pub unsafe extern "C" fn terrella_scene_raw_truth(
 }
 
 /// # Safety
-/// `drawn` is null or has room.
+/// `drawn` is null or points to writable memory.
 unsafe fn tell_missing(drawn: *mut TerrellaDrawn, missing: usize) -> Result<(), Failure> {
     if drawn.is_null() {
         return Ok(());

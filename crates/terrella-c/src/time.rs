@@ -6,8 +6,7 @@ use std::ffi::c_char;
 use terrella::frames::{Duration, Epoch, rfc3339, utc_from_rfc3339};
 
 /// An instant, in international atomic time (TAI) since 1900-01-01T00:00:00 TAI. Differences are elapsed time, through leap seconds too.
-/// Made by
-/// `terrella_time_utc` or `terrella_time_unix`.
+/// `terrella_time_utc` and `terrella_time_unix` make it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TerrellaTime {
@@ -92,10 +91,10 @@ pub unsafe extern "C" fn terrella_time_unix(
     })
 }
 
-/// An instant that many seconds later; negative is earlier.
+/// The instant `elapsed_s` seconds after `time`; before it if negative.
 ///
 /// # Safety
-/// `later` has room; it may be where `time` came from.
+/// `later` points to writable memory, which may be that of `time`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_time_add(
     time: TerrellaTime,
@@ -106,7 +105,7 @@ pub unsafe extern "C" fn terrella_time_add(
         let epoch = time.epoch("time")?;
         if !elapsed_s.is_finite() || elapsed_s.abs() >= 1e10 {
             return Err(Failure::argument(format!(
-                "elapsed_s: {elapsed_s} s is no elapsed time"
+                "elapsed_s: {elapsed_s} is not a number of seconds from -1e10 to 1e10"
             )));
         }
         let sum = TerrellaTime::of(epoch + Duration::from_seconds(elapsed_s));
@@ -116,10 +115,11 @@ pub unsafe extern "C" fn terrella_time_add(
     })
 }
 
-/// Writes an instant as a text in UTC, like "2018-01-15T12:00:00.000Z", with a zero byte at its end: 40 bytes are enough.
+/// Writes an instant as a text in UTC, like "2018-01-15T12:00:00.000Z", with a zero byte at its end: 40 bytes are enough. A buffer that
+/// is too short is `TERRELLA_ARGUMENT`, and nothing is written.
 ///
 /// # Safety
-/// `text` has room for `bytes` bytes.
+/// `text` points to writable memory of `bytes` bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_time_text(
     time: TerrellaTime,

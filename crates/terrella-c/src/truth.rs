@@ -12,11 +12,11 @@ use terrella::{LayerDtype, LayerValues, TRUTH_LAYERS, TruthLayer, TruthPicture};
 pub struct TerrellaLayer {
     /// Its name.
     pub name: *const c_char,
-    /// The unit of its numbers, "1" where they have none.
+    /// The unit of its numbers, "1" if they have none.
     pub unit: *const c_char,
     /// What they mean.
     pub what: *const c_char,
-    /// Numbers a pixel.
+    /// Numbers per pixel.
     pub components: u32,
     /// Bytes of a number: 4 for float, 8 for double.
     pub number_bytes: u32,
@@ -129,7 +129,7 @@ impl<'c> WantedLayers<'c> {
             let to = one.values;
             values.push(match layer.dtype {
                 LayerDtype::F32 => {
-                    // SAFETY: the caller's promise: so many bytes; alignment is checked.
+                    // SAFETY: the caller's promise: a buffer of this size; alignment is checked.
                     let numbers = unsafe { buffer(to.cast(), numbers, &named) };
                     Values::F32(numbers?)
                 }

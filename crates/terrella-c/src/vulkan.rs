@@ -61,8 +61,7 @@ pub const TERRELLA_LAYOUT_ATTACHMENT: TerrellaLayout = 2;
 #[derive(Clone, Copy, Debug)]
 pub struct TerrellaVulkanImage {
     /// The VkImage: two-dimensional, one level, one layer, one sample, exclusive to the queue's family, usage
-    /// VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT and
-    /// what `layout` needs. Its contents are discarded.
+    /// VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT and what `layout` needs. Its contents are discarded.
     pub image: u64,
     /// Width, pixels.
     pub width: u32,
@@ -177,7 +176,7 @@ fn needed(opened: &Opened) -> Vec<&'static CStr> {
 /// are never freed.
 ///
 /// # Safety
-/// `host` points to Vulkan objects as its fields say; `device` and `device_extensions` are not read. `name` has room.
+/// `host` points to Vulkan objects as its fields say; `device` and `device_extensions` are not read. `name` points to writable memory.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_vulkan_extension(
     host: *const TerrellaVulkanHost,
@@ -197,13 +196,12 @@ pub unsafe extern "C" fn terrella_vulkan_extension(
 }
 
 /// Creates an Earth on the host's device, for images of a format: VK_FORMAT_R8G8B8A8_UNORM (37) or _SRGB (43), VK_FORMAT_B8G8R8A8_UNORM
-/// (44) or _SRGB
-/// (50) for display, VK_FORMAT_R16G16B16A16_SFLOAT (97) for linear light. `width`, `height` and `adapter` of the options are not used.
+/// (44) or _SRGB (50) for display, VK_FORMAT_R16G16B16A16_SFLOAT (97) for linear light. `width`, `height` and `adapter` of the options are not
+/// used. On failure `*earth` is unchanged.
 ///
 /// # Safety
-/// `host` points to Vulkan objects as its fields say, which outlive the Earth; texts end with zero bytes; `earth` has room. Nobody submits
-/// to the
-/// queue during the call.
+/// `host` points to Vulkan objects as its fields say, which outlive the Earth; texts end with zero bytes; `earth` points to writable
+/// memory. Nobody submits to the queue during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_vulkan_earth_new(
     host: *const TerrellaVulkanHost,
@@ -311,7 +309,7 @@ unsafe fn make(
     let flags = adapter.get_texture_format_features(format).flags;
     if !flags.sample_count_supported(options.samples) {
         return Err(Failure::device(format!(
-            "options.samples: this device does not do {} samples a pixel of this format",
+            "options.samples: this device does not support {} samples per pixel in this format",
             options.samples
         )));
     }
@@ -328,7 +326,8 @@ unsafe fn make(
     })
 }
 
-/// Frees an Earth on Vulkan, after the device has finished drawing. Call it before you destroy the device.
+/// Frees an Earth on Vulkan, after the device has finished drawing. Call it before you destroy the device. No other
+/// thread may use this Earth then: a call in progress would keep its objects after this one returns.
 #[unsafe(no_mangle)]
 pub extern "C" fn terrella_vulkan_earth_free(earth: *mut TerrellaVulkanEarth) -> TerrellaStatus {
     answer(|| handles::remove(earth, KIND, "earth"))
@@ -340,8 +339,7 @@ pub extern "C" fn terrella_vulkan_earth_free(earth: *mut TerrellaVulkanEarth) ->
 ///
 /// # Safety
 /// `camera` points to a camera, `image` to a description that is true of an image of the host's device; nobody else submits to the queue or
-/// uses the image
-/// during the call; `drawn` is null or has room.
+/// uses the image during the call; `drawn` is null or points to writable memory.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_vulkan_draw(
     earth: *mut TerrellaVulkanEarth,

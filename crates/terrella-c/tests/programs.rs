@@ -218,6 +218,28 @@ fn classes_of_cpp_throw_and_free() {
 }
 
 #[test]
+fn the_classes_name_the_cpp_that_they_need() {
+    if !has("g++") {
+        return;
+    }
+    let checked = |standard: &str| {
+        let mut command = Command::new("g++");
+        command.args(["-x", "c++", "-fsyntax-only", standard]);
+        let header = folder().join("include/terrella.hpp");
+        command.arg(header).output().expect("the compiler runs")
+    };
+    let old = checked("-std=c++14");
+    let words = String::from_utf8_lossy(&old.stderr);
+    assert!(
+        !old.status.success() && words.contains("needs C++17"),
+        "{words}"
+    );
+    let new = checked("-std=c++17");
+    let words = String::from_utf8_lossy(&new.stderr);
+    assert!(new.status.success(), "{words}");
+}
+
+#[test]
 fn examples_are_clean_under_the_sanitizer() {
     if !has("gcc") || !has("g++") {
         return;

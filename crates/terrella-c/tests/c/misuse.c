@@ -57,7 +57,9 @@ int main(int argc, char **argv) {
     EXPECT(terrella_time_add(noon, 1e10 - 1, &other), TERRELLA_ARGUMENT, "elapsed_s");
     EXPECT(terrella_itrf_from_gcrf(noon, NULL), TERRELLA_NULL, "matrix");
     char text[40];
+    text[0] = '!';
     EXPECT(terrella_time_text(noon, text, 5), TERRELLA_ARGUMENT, "bytes");
+    if (text[0] != '!') failures++, fprintf(stderr, "a short buffer was written to\n");
     EXPECT(terrella_time_text(noon, NULL, 40), TERRELLA_NULL, "text");
     EXPECT(terrella_time_text(noon, text, sizeof text), TERRELLA_OK, "");
     if (strcmp(text, "2018-06-21T12:00:00.000Z") != 0) failures++, fprintf(stderr, "%s\n", text);
@@ -100,6 +102,7 @@ int main(int argc, char **argv) {
     wrong = options;
     wrong.adapter = "no such adapter";
     EXPECT(terrella_earth_new(&wrong, &earth), TERRELLA_DEVICE, "no such adapter");
+    if (earth) failures++, fprintf(stderr, "a call that failed wrote a handle\n");
     EXPECT(terrella_earth_new(&options, &earth), TERRELLA_OK, "");
 
     size_t bytes = 32 * 18 * 4;
