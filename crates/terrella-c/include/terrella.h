@@ -17,13 +17,16 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// First part of the version of this header. A library of another first part has another soname.
+// The Earth's rate of rotation about the z axis of ITRF, radians per second.
+#define TERRELLA_EARTH_ROTATION_RAD_S 7.29211514670698e-5
+
+// The major version of this header. A library of another major version has another soname, and before 1.0 one of another minor version.
 #define TERRELLA_VERSION_MAJOR 0
 
-// Second part of the version of this header.
+// The minor version of this header.
 #define TERRELLA_VERSION_MINOR 1
 
-// Third part of the version of this header.
+// The patch version of this header.
 #define TERRELLA_VERSION_PATCH 0
 
 // The result of a call. `terrella_message` returns the error message.
@@ -34,7 +37,7 @@ typedef enum {
   TERRELLA_NULL = 1,
   // An argument is out of range or invalid.
   TERRELLA_ARGUMENT = 2,
-  // A handle that is freed, was never made, or belongs to another type.
+  // A freed handle, a value that was never a handle, or a handle of another type.
   TERRELLA_HANDLE = 3,
   // A scene is invalid, or does not cover the requested time.
   TERRELLA_SCENE = 4,
@@ -58,9 +61,18 @@ typedef struct TerrellaScene TerrellaScene;
 // call.
 typedef struct TerrellaVulkanEarth TerrellaVulkanEarth;
 
+// An instant, in international atomic time (TAI) since 1900-01-01T00:00:00 TAI. Differences are elapsed time, through leap seconds too.
+// `terrella_time_utc` and `terrella_time_unix` make it.
+typedef struct {
+  // Whole seconds.
+  int64_t tai_s;
+  // Nanoseconds after that, 0 to 999 999 999.
+  uint32_t tai_ns;
+} TerrellaTime;
+
 // Position, attitude and projection of a camera. Fill it with `terrella_camera_geodetic` or `terrella_camera_look`, or yourself.
 typedef struct {
-  // The eye: Earth-fixed axes (ITRF: x to 0° E on the equator, z to the north pole), metres.
+  // The eye: Earth-fixed axes (ITRF: x to 0° E on the equator, z to the north pole), metres; at least 6 000 000 m from the centre.
   double eye_itrf_m[3];
   // Rotation from Earth-fixed axes to those of the view (x right, y up, −z forward), row by row.
   double view_from_itrf[9];
@@ -74,7 +86,7 @@ typedef struct {
   uint32_t width;
   // Height of pictures, pixels.
   uint32_t height;
-  // Samples a pixel of shown pictures, 1 or 4.
+  // Samples per pixel of displayed pictures, 1 or 4.
   uint32_t samples;
   // Folder of maps; null takes that of the environment variable TERRELLA_TEXTURES, else `textures` or `../share/terrella/textures`
   // beside the program, else that of the source tree that the library was built from.
@@ -96,16 +108,6 @@ typedef struct {
   // Whether land and clouds reflect sunlight by direction, 0 or 1. With 0 they are Lambertian.
   uint8_t directional_reflectance;
 } TerrellaOptions;
-
-// An instant, in international atomic time (TAI) since 1900-01-01T00:00:00 TAI. Differences are elapsed time, through leap seconds too.
-// Made by
-// `terrella_time_utc` or `terrella_time_unix`.
-typedef struct {
-  // Whole seconds.
-  int64_t tai_s;
-  // Nanoseconds after that, 0 to 999 999 999.
-  uint32_t tai_ns;
-} TerrellaTime;
 
 // Pixel format of an image: a constant that begins with `TERRELLA_RGBA`.
 typedef uint32_t TerrellaFormat;
@@ -142,13 +144,13 @@ typedef struct {
   double min_elevation_deg;
   // Passes that are in progress at this instant or begin later.
   TerrellaTime from;
-  // And that begin before this one.
+  // And that begin before this one. It is not before `from`.
   TerrellaTime until;
 } TerrellaPassSearch;
 
 // A pass of a satellite. Azimuths count from north to east, degrees.
 typedef struct {
-  // When it rises above the mask; `from` where it stands above it then.
+  // When it rises above the mask; `from`, or the start of the satellite's data, if it is above the mask then.
   TerrellaTime begin;
   // Azimuth then.
   double begin_azimuth_deg;
@@ -160,7 +162,7 @@ typedef struct {
   double elevation_deg;
   // Distance then, metres.
   double distance_m;
-  // When it sets; the end of what is known where it stands above the mask then.
+  // When it sets; `until`, or the end of the satellite's data, if it is above the mask then.
   TerrellaTime end;
   // Azimuth then.
   double end_azimuth_deg;
@@ -182,7 +184,7 @@ typedef struct {
   TerrellaTime end;
   // Frames of one playback.
   uint64_t frames;
-  // Frames a second of playback.
+  // Frames per second of playback.
   double frame_rate_hz;
   // Satellites.
   size_t satellites;
@@ -192,11 +194,11 @@ typedef struct {
 typedef struct {
   // Its name.
   const char *name;
-  // The unit of its numbers, "1" where they have none.
+  // The unit of its numbers, "1" if they have none.
   const char *unit;
   // What they mean.
   const char *what;
-  // Numbers a pixel.
+  // Numbers per pixel.
   uint32_t components;
   // Bytes of a number: 4 for float, 8 for double.
   uint32_t number_bytes;
@@ -231,8 +233,7 @@ typedef uint32_t TerrellaLayout;
 // An image of the program to draw into.
 typedef struct {
   // The VkImage: two-dimensional, one level, one layer, one sample, exclusive to the queue's family, usage
-  // VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT and
-  // what `layout` needs. Its contents are discarded.
+  // VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT and what `layout` needs. Its contents are discarded.
   uint64_t image;
   // Width, pixels.
   uint32_t width;
@@ -264,6 +265,19 @@ typedef struct {
 extern "C" {
 #endif // __cplusplus
 
+// Writes the rotation from GCRF axes (those of ICRF and, to 0.02 arc seconds, J2000) to Earth-fixed axes (ITRF) at an instant: nine
+// numbers, row by row. A position or direction in ITRF is this matrix times the one in GCRF.
+//
+// A velocity in ITRF is relative to the rotating Earth: with the matrix R, the position r in ITRF and the vector w = (0, 0,
+// `TERRELLA_EARTH_ROTATION_RAD_S`), it is R v − w × r.
+//
+// Precession and nutation are those of IAU 2000B. UT1 is taken as UTC, and polar motion as zero: up to 420 m and 20 m at the ground. Scenes
+// without measured Earth orientation use the same rotation.
+//
+// # Safety
+// `matrix` points to writable memory for nine numbers.
+TerrellaStatus terrella_itrf_from_gcrf(TerrellaTime time, double *matrix);
+
 // A camera above a place: latitude and longitude in degrees (geodetic, WGS84), height in metres. With heading 0 and pitch −90 it looks
 // straight down, north upwards; heading turns it clockwise from north, pitch raises it, 0 is level. `fov_deg` is the vertical field of
 // view, `aspect` width over height.
@@ -280,7 +294,8 @@ TerrellaStatus terrella_camera_geodetic(double lat_deg,
                                         TerrellaCamera *camera);
 
 // A camera at `eye_itrf_m` (three numbers, metres) that looks along `forward` with `up` upwards on screen (three numbers each, of any
-// length).
+// length). If `up` is parallel to `forward`, the roll is the library's choice, always the same one for the same `forward`. An eye less than
+// 6 000 000 m from the Earth's centre is an error.
 //
 // # Safety
 // Each points to three numbers; `camera` points to writable memory.
@@ -291,23 +306,32 @@ TerrellaStatus terrella_camera_look(const double *eye_itrf_m,
                                     double aspect,
                                     TerrellaCamera *camera);
 
-// Opens a graphics adapter and creates an Earth. Free it with `terrella_earth_free`.
+// Opens a graphics adapter and creates an Earth. Free it with `terrella_earth_free`. On failure `*earth` is unchanged.
 //
 // # Safety
-// `options` points to options whose texts end with zero bytes; `earth` has room.
+// `options` points to options whose texts end with zero bytes; `earth` points to writable memory.
 TerrellaStatus terrella_earth_new(const TerrellaOptions *options, TerrellaEarth **earth);
 
-// Frees an Earth. A null or freed handle is an error.
+// Frees an Earth. A null or freed handle is an error. Any thread may call it, also while another one draws with this Earth: that call is
+// completed, and every later one is `TERRELLA_HANDLE`.
 TerrellaStatus terrella_earth_free(TerrellaEarth *earth);
 
 // Changes the size of the images. On failure the size stays.
 TerrellaStatus terrella_earth_resize(TerrellaEarth *earth, uint32_t width, uint32_t height);
 
-// Draws a picture and writes it to `pixels`, rows from the top without padding: `bytes` is width × height × 4, 8 or 16 by its format.
-// Waits for the device, and for tiles at most `wait_s` seconds. 0 draws the tiles that have arrived, for real time. `drawn` may be null.
+// Returns the size of the images, pixels. It waits while another thread draws with this Earth.
 //
 // # Safety
-// `camera` points to a camera; `pixels` to so many bytes, which nobody else uses during the call; `drawn` is null or has room.
+// Both point to writable memory.
+TerrellaStatus terrella_earth_size(TerrellaEarth *earth, uint32_t *width, uint32_t *height);
+
+// Draws a picture and writes it to `pixels`, rows from the top without padding: `bytes` is width × height × 4, 8 or 16 by its format. Any
+// other number is `TERRELLA_ARGUMENT`, and nothing is drawn or written. Waits for the device, and for tiles at most `wait_s` seconds. 0 draws
+// the tiles that have arrived, for real time. `drawn` may be null.
+//
+// # Safety
+// `camera` points to a camera; `pixels` points to `bytes` bytes, which nobody else uses during the call; `drawn` is null or points to
+// writable memory.
 TerrellaStatus terrella_earth_draw(TerrellaEarth *earth,
                                    const TerrellaCamera *camera,
                                    TerrellaTime time,
@@ -317,11 +341,11 @@ TerrellaStatus terrella_earth_draw(TerrellaEarth *earth,
                                    size_t bytes,
                                    TerrellaDrawn *drawn);
 
-// Writes the distance of the ground along the camera's axis, metres, to `depth_m`: `count` is width × height. Infinite where no ground is
-// visible.
+// Writes the distance of the ground along the camera's axis, metres, to `depth_m`: `count` is width × height, and any other number is
+// `TERRELLA_ARGUMENT`. Infinite where no ground is visible.
 //
 // # Safety
-// `camera` points to a camera; `depth_m` to so many floats, which nobody else uses during the call.
+// `camera` points to a camera; `depth_m` points to `count` floats, which nobody else uses during the call.
 TerrellaStatus terrella_earth_depth(TerrellaEarth *earth,
                                     const TerrellaCamera *camera,
                                     TerrellaTime time,
@@ -329,11 +353,12 @@ TerrellaStatus terrella_earth_depth(TerrellaEarth *earth,
                                     float *depth_m,
                                     size_t count);
 
-// Writes truth layers, each to its own buffer. The view is rendered once for all of them. `drawn` may be null.
+// Writes truth layers, each to its own buffer. The view is rendered once for all of them. A buffer of another size than the layer is
+// `TERRELLA_ARGUMENT`, and nothing is written. With a `count` of 0, `layers` may be null. `drawn` may be null.
 //
 // # Safety
-// `camera` points to a camera; `layers` to so many values, whose texts end with zero bytes and whose rooms have as many bytes as they say,
-// do not overlap, and are used by nobody else during the call; `drawn` is null or has room.
+// `camera` points to a camera; `layers` points to `count` values. Their texts end with zero bytes. Their buffers have the bytes that they
+// name, do not overlap, and nobody else uses them during the call. `drawn` is null or points to writable memory.
 TerrellaStatus terrella_earth_truth(TerrellaEarth *earth,
                                     const TerrellaCamera *camera,
                                     TerrellaTime time,
@@ -342,11 +367,12 @@ TerrellaStatus terrella_earth_truth(TerrellaEarth *earth,
                                     size_t count,
                                     TerrellaDrawn *drawn);
 
-// The error message of this thread's last failed call, in UTF-8; empty if there was none. It is valid until this thread's next failed
-// call.
+// The error message of this thread's last failed call, in UTF-8; empty if there was none. The pointer is valid until the thread ends. The
+// thread's next failed call overwrites the text. A message of more than 2047 bytes is truncated. Use the pointer in this thread only.
 const char *terrella_message(void);
 
-// The name of a status, for logs: "TERRELLA_OK" and so on; "no status" for any other number. It is never freed.
+// The name of a status, for logs: "TERRELLA_OK" and so on; "no status" for any other number. The text never changes and is valid as long
+// as the library is loaded.
 const char *terrella_status_name(uint32_t status);
 
 // Fills options with the defaults: 800 × 450 pixels, one sample each, the starter maps, the best adapter.
@@ -358,8 +384,12 @@ TerrellaStatus terrella_options_default(TerrellaOptions *options);
 // The passes of a satellite of a scene over a place, in their order, at most `capacity` of them. `count` receives the number written. If
 // it is `capacity` there may be more: search again from the end of the last one. `index` counts from 0 in the scene's order.
 //
+// With a capacity of 0, nothing is searched, `count` receives 0, and `passes` may be null. An interval that ends before it begins is
+// `TERRELLA_ARGUMENT`. One that lies outside of the satellite's data is `TERRELLA_SCENE`. One that lies partly outside is searched as far
+// as the data reach.
+//
 // # Safety
-// `passes` has room for `capacity` passes, and `count` for a number.
+// `passes` points to writable memory for `capacity` passes, and `count` to that for one number.
 TerrellaStatus terrella_scene_passes(TerrellaScene *scene,
                                      size_t index,
                                      const TerrellaPassSearch *search,
@@ -374,12 +404,13 @@ TerrellaStatus terrella_scene_passes(TerrellaScene *scene,
 // `path` ends with a zero byte; `rgba` points to width × height × 4 bytes.
 TerrellaStatus terrella_write_png(const char *path, const uint8_t *rgba, uint32_t width, uint32_t height);
 
-// Reads a scene file and the files that it names, and opens a graphics adapter. `width` and `height` are the image size; with both 0 it is
-// the scene's. `textures` is the folder of default maps, null as in `TerrellaOptions`. `adapter` is a part of the adapter's name, null
-// takes the best. Free the scene with `terrella_scene_free`.
+// Reads a scene file and the files that it names, and opens a graphics adapter. In place of a scene `path` may name an orbit file of one
+// satellite, as for the command: the scene is then the default one with this satellite. `width` and `height` are the image size; with both
+// 0 it is the scene's. `textures` is the folder of default maps, null as in `TerrellaOptions`. `adapter` is a part of the adapter's name,
+// null takes the best. Free the scene with `terrella_scene_free`. On failure `*scene` is unchanged.
 //
 // # Safety
-// Texts end with zero bytes; `scene` has room.
+// Texts end with zero bytes; `scene` points to writable memory.
 TerrellaStatus terrella_scene_open(const char *path,
                                    uint32_t width,
                                    uint32_t height,
@@ -400,7 +431,7 @@ TerrellaStatus terrella_scene_parse(const char *toml,
                                     const char *adapter,
                                     TerrellaScene **scene);
 
-// Frees a scene. A null or freed handle is an error.
+// Frees a scene. A null or freed handle is an error. Any thread may call it, as `terrella_earth_free`.
 TerrellaStatus terrella_scene_free(TerrellaScene *scene);
 
 // Image size, playback time and satellites of a scene.
@@ -409,11 +440,11 @@ TerrellaStatus terrella_scene_free(TerrellaScene *scene);
 // `info` points to writable memory.
 TerrellaStatus terrella_scene_info(TerrellaScene *scene, TerrellaSceneInfo *info);
 
-// Position and velocity of a satellite of a scene at an instant: Earth-fixed axes (ITRF), metres and metres a second, three numbers each.
-// `index` counts from 0 in the scene's order; `velocity_m_s` may be null.
+// Position and velocity of a satellite of a scene at an instant: Earth-fixed axes (ITRF), metres and metres per second, three numbers
+// each. The velocity is relative to the rotating Earth. `index` counts from 0 in the scene's order; `velocity_m_s` may be null.
 //
 // # Safety
-// Each has room for three numbers.
+// Each points to writable memory for three numbers.
 TerrellaStatus terrella_scene_satellite(TerrellaScene *scene, size_t index, TerrellaTime time, double *position_m, double *velocity_m_s);
 
 // Draws an instant of a scene as the command `terrella` draws it, and writes it to `pixels` as `terrella_earth_draw` does. Waits for tiles
@@ -452,12 +483,16 @@ TerrellaStatus terrella_scene_truth(TerrellaScene *scene,
 TerrellaStatus terrella_scene_sensor_size(TerrellaScene *scene, uint32_t *width, uint32_t *height);
 
 // Draws the raw frame of the sensor of a scene at an instant, by the scene's camera, and writes its numbers to `numbers`, rows from the
-// top: those of the converter, from 0 to 2^bits − 1, as `terrella frame --raw` writes them. `count` is width × height of the sensor. Of
-// `drawn`, which may be null, only `missing_tiles` is set.
+// top: those of the converter, from 0 to 2^bits − 1, as `terrella frame --raw` writes them. `count` is width × height of the sensor, and any
+// other number is `TERRELLA_ARGUMENT`. Of `drawn`, which may be null, only `missing_tiles` is set.
 //
 // # Safety
-// `numbers` points to so many values, which nobody else uses during the call; `drawn` is null or has room.
-TerrellaStatus terrella_scene_raw(TerrellaScene *scene, TerrellaTime time, uint16_t *numbers, size_t count, TerrellaDrawn *drawn);
+// `numbers` points to `count` values, which nobody else uses during the call; `drawn` is null or points to writable memory.
+TerrellaStatus terrella_scene_raw(TerrellaScene *scene,
+                                  TerrellaTime time,
+                                  uint16_t *numbers,
+                                  size_t count,
+                                  TerrellaDrawn *drawn);
 
 // As `terrella_scene_truth` for the pixels of `terrella_scene_raw`: through the sensor's lens, each row at its own instant. Layers have
 // the sensor's size. Of `drawn`, which may be null, only `missing_tiles` is set.
@@ -482,16 +517,17 @@ TerrellaStatus terrella_time_utc(const char *text, TerrellaTime *time);
 // `time` points to writable memory.
 TerrellaStatus terrella_time_unix(double unix_s, TerrellaTime *time);
 
-// An instant that many seconds later; negative is earlier.
+// The instant `elapsed_s` seconds after `time`; before it if negative.
 //
 // # Safety
-// `later` has room; it may be where `time` came from.
+// `later` points to writable memory, which may be that of `time`.
 TerrellaStatus terrella_time_add(TerrellaTime time, double elapsed_s, TerrellaTime *later);
 
-// Writes an instant as a text in UTC, like "2018-01-15T12:00:00.000Z", with a zero byte at its end: 40 bytes are enough.
+// Writes an instant as a text in UTC, like "2018-01-15T12:00:00.000Z", with a zero byte at its end: 40 bytes are enough. A buffer that
+// is too short is `TERRELLA_ARGUMENT`, and nothing is written.
 //
 // # Safety
-// `text` has room for `bytes` bytes.
+// `text` points to writable memory of `bytes` bytes.
 TerrellaStatus terrella_time_text(TerrellaTime time, char *text, size_t bytes);
 
 // The number of truth layers.
@@ -510,23 +546,23 @@ const char *terrella_version(void);
 // are never freed.
 //
 // # Safety
-// `host` points to Vulkan objects as its fields say; `device` and `device_extensions` are not read. `name` has room.
+// `host` points to Vulkan objects as its fields say; `device` and `device_extensions` are not read. `name` points to writable memory.
 TerrellaStatus terrella_vulkan_extension(const TerrellaVulkanHost *host, size_t index, const char **name);
 
 // Creates an Earth on the host's device, for images of a format: VK_FORMAT_R8G8B8A8_UNORM (37) or _SRGB (43), VK_FORMAT_B8G8R8A8_UNORM
-// (44) or _SRGB
-// (50) for display, VK_FORMAT_R16G16B16A16_SFLOAT (97) for linear light. `width`, `height` and `adapter` of the options are not used.
+// (44) or _SRGB (50) for display, VK_FORMAT_R16G16B16A16_SFLOAT (97) for linear light. `width`, `height` and `adapter` of the options are not
+// used. On failure `*earth` is unchanged.
 //
 // # Safety
-// `host` points to Vulkan objects as its fields say, which outlive the Earth; texts end with zero bytes; `earth` has room. Nobody submits
-// to the
-// queue during the call.
+// `host` points to Vulkan objects as its fields say, which outlive the Earth; texts end with zero bytes; `earth` points to writable
+// memory. Nobody submits to the queue during the call.
 TerrellaStatus terrella_vulkan_earth_new(const TerrellaVulkanHost *host,
                                          const TerrellaOptions *options,
                                          uint32_t vk_format,
                                          TerrellaVulkanEarth **earth);
 
-// Frees an Earth on Vulkan, after the device has finished drawing. Call it before you destroy the device.
+// Frees an Earth on Vulkan, after the device has finished drawing. Call it before you destroy the device. No other
+// thread may use this Earth then: a call in progress would keep its objects after this one returns.
 TerrellaStatus terrella_vulkan_earth_free(TerrellaVulkanEarth *earth);
 
 // Draws into an image of the host: submits to its queue and does not wait. Later submissions to that queue see the picture. Keep the image
@@ -535,8 +571,7 @@ TerrellaStatus terrella_vulkan_earth_free(TerrellaVulkanEarth *earth);
 //
 // # Safety
 // `camera` points to a camera, `image` to a description that is true of an image of the host's device; nobody else submits to the queue or
-// uses the image
-// during the call; `drawn` is null or has room.
+// uses the image during the call; `drawn` is null or points to writable memory.
 TerrellaStatus terrella_vulkan_draw(TerrellaVulkanEarth *earth,
                                     const TerrellaCamera *camera,
                                     TerrellaTime time,
