@@ -15,7 +15,10 @@ struct Varying {
 
 @vertex
 fn vertex(@builtin(vertex_index) index: u32) -> Varying {
-    let light = sky.sun_seen * through_air(ray_through(sky.frame, sun_px()));
+    var ray = ray_through(sky.frame, sun_px());
+    // Where the limb hides the Sun's centre, its light comes over the limb. The way to the ground would be half as long.
+    ray.q = select(ray.q, max(ray.q, 1.0), ray.along > 0.0);
+    let light = sky.sun_seen * through_air(ray);
     return Varying(corner_of(sky.glare_bounds, index, sky.near_depth), light);
 }
 

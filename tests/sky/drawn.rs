@@ -214,6 +214,41 @@ fn sun_and_moon_give_the_light_that_they_give() {
     assert!(eclipsed < 1e-3 * full, "{eclipsed}");
 }
 
+/// The light around a Sun that rises over the limb grows from zero, also while the limb hides its centre.
+#[test]
+fn glare_grows_while_the_sun_rises() {
+    let size = (64, 64);
+    let mut rig = Rig::of_light(&EarthOptions::new(plain([90; 3])), size);
+    let epoch = utc(DATE);
+    let far = Observer::at_rest(epoch, &Orientation::default(), above(0.0, 0.0, 4e5));
+    let sun = far.sun_m().normalize();
+    // The limb is above a place of the equator.
+    let limb = sun.cross(DVec3::Z).normalize();
+    let radius_m = Ellipsoid::WGS84.equatorial_radius_m;
+    let glare = CelestialOptions {
+        glare: true,
+        ..CelestialOptions::NOTHING
+    };
+    // Height of the line to the Sun's centre over the limb, kilometres: its disc reaches 11 km up and down.
+    let heights = (-7..=12).map(|step| 2.0 * f64::from(step));
+    let sums: Vec<f64> = heights
+        .map(|height_km| {
+            let off = radius_m + 1e3 * height_km;
+            let behind = ((radius_m + 4e5).powi(2) - off * off).sqrt();
+            let eye = off * limb - behind * sun;
+            let view = EyeView::itrf(eye, sun, DVec3::Z, 0.2, 1.0);
+            let light = drawn(&mut rig, &glare, &view, epoch, size);
+            light.iter().map(|light| f64::from(light[0])).sum()
+        })
+        .collect();
+    println!("{sums:.3?}");
+    assert_eq!(sums[0], 0.0);
+    assert!(sums.last() > Some(&1.0));
+    for pair in sums.windows(2) {
+        assert!(pair[1] >= pair[0], "{sums:?}");
+    }
+}
+
 /// Light that the aperture diffracts into spikes is missing from the disc, and arrives outside it.
 #[test]
 fn an_aperture_moves_light_from_the_disc_to_spikes() {
