@@ -125,12 +125,12 @@ fn corrupt_lines_are_named() {
             &two[..68].replace("51.6424", "51.6425")
         ),
         ":3:69",
-        "bad checksum: the line sums to 5 and ends in '4'",
+        "bad checksum: that of the line is 5 and it ends in '4'",
     );
     rejected(
         &format!("{}3\n{two}", &one[..68]),
         ":1:69",
-        "bad checksum: the line sums to 2 and ends in '3'",
+        "bad checksum: that of the line is 2 and it ends in '3'",
     );
     rejected(&format!("{}!\n{two}", &one[..68]), ":1:69", "ends in '!'");
     // Short and long lines.

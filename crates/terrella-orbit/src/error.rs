@@ -254,7 +254,7 @@ pub enum LineFault {
     NameAlone { text: String },
     /// The checksum does not fit.
     #[error(
-        "bad checksum: the line sums to {expected} and ends in {found:?}; a character of it is wrong, copy it again"
+        "bad checksum: that of the line is {expected} and it ends in {found:?}; a character of it is wrong, copy it again"
     )]
     Checksum {
         /// Sum of the digits, with 1 for each minus sign, modulo 10.
