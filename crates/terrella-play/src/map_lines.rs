@@ -2,12 +2,11 @@
 
 use super::error::PlayError;
 use super::maps::DroppedLayer;
-use super::place_names::place_names;
+use super::place_names::{place_names, starter_folder};
 use crate::scene::{LineLook, Scene};
 use std::path::PathBuf;
 use terrella::frames::Ellipsoid;
 use terrella::tracks::{LineStyle, Polylines, VectorMap};
-use terrella_imagery::find_textures;
 
 /// Its file in the starter pack.
 const VECTOR_MAP: &str = "lines.bin";
@@ -32,10 +31,7 @@ pub(super) fn line_files(scene: &Scene) -> Vec<PathBuf> {
 fn file_of(scene: &Scene) -> Result<PathBuf, String> {
     match &scene.layers.vector_map {
         Some(file) => Ok(file.clone()),
-        None => {
-            let folder = find_textures().map_err(|error| error.to_string())?;
-            Ok(folder.join(VECTOR_MAP))
-        }
+        None => Ok(starter_folder(scene)?.join(VECTOR_MAP)),
     }
 }
 
@@ -95,7 +91,7 @@ fn style(scene: &Scene, look: LineLook) -> LineStyle {
     }
 }
 
-/// The lines that a scene requests, on this figure of the Earth. Missing ones are reported when the scene is opened.
+/// The lines that a scene requests, on this figure of the Earth. [`dropped_lines`] reports missing ones.
 ///
 /// # Errors
 /// A file that is missing or corrupt, in a strict scene.
@@ -175,6 +171,25 @@ mod tests {
             let off = nearest_deg(&map.coast_lines, lat, lon);
             assert!(off > 4.0, "{off}° at {lat}° {lon}°");
         }
+    }
+
+    #[test]
+    fn lines_and_names_come_from_the_folder_of_the_host() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let text = "[layers]\nborders = true\nplace_names = true\n";
+        let mut scene = Scene::from_toml(text, Path::new("a.toml")).expect("a good scene");
+        crate::take_starter_files(&mut scene, folder.path());
+        let dropped = dropped_lines(&scene).expect("reported");
+        let names: Vec<_> = dropped.iter().map(|layer| layer.layer).collect();
+        assert_eq!(names, ["borders", "place_names"]);
+        for (dropped, file) in dropped.iter().zip([VECTOR_MAP, "place_names.bin"]) {
+            let path = folder.path().join(file).display().to_string();
+            assert!(dropped.missing.contains(&path), "{}", dropped.missing);
+        }
+        let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../textures");
+        crate::take_starter_files(&mut scene, &shipped);
+        assert_eq!(dropped_lines(&scene).expect("read"), []);
+        assert_eq!(line_files(&scene), [shipped.join(VECTOR_MAP)]);
     }
 
     #[test]

@@ -35,6 +35,7 @@ pub fn take_starter_files(scene: &mut Scene, folder: &Path) {
     if scene.sky.folder.is_none() {
         scene.sky.folder = Some(folder.to_owned());
     }
+    scene.layers.folder = Some(folder.to_owned());
 }
 
 /// Time, camera and exposure of an image; by default those of the scene.

@@ -14,13 +14,20 @@ const LAYER: &str = "place_names";
 
 /// The file that [`place_names`] reads, if it is there.
 pub(super) fn place_name_files(scene: &Scene) -> Vec<PathBuf> {
-    let file = scene.layers.place_names.and_then(|_| file().ok());
+    let file = scene.layers.place_names.and_then(|_| file(scene).ok());
     file.filter(|path| path.exists()).into_iter().collect()
 }
 
-fn file() -> Result<PathBuf, String> {
-    let folder = find_textures().map_err(|error| error.to_string())?;
-    Ok(folder.join(PLACE_NAMES))
+/// The folder of the starter pack's lines and names.
+pub(super) fn starter_folder(scene: &Scene) -> Result<PathBuf, String> {
+    match &scene.layers.folder {
+        Some(folder) => Ok(folder.clone()),
+        None => find_textures().map_err(|error| error.to_string()),
+    }
+}
+
+fn file(scene: &Scene) -> Result<PathBuf, String> {
+    Ok(starter_folder(scene)?.join(PLACE_NAMES))
 }
 
 /// All cities of the starter pack, the most important first; none if the file is missing or corrupt.
@@ -43,7 +50,8 @@ pub(super) fn place_names(
     if scene.layers.place_names.is_none() {
         return Ok((Vec::new(), None));
     }
-    let read = file().and_then(|path| read_place_names(&path).map_err(|error| error.to_string()));
+    let read =
+        file(scene).and_then(|path| read_place_names(&path).map_err(|error| error.to_string()));
     match read {
         Ok(places) => Ok((places, None)),
         Err(missing) if scene.earth.strict => Err(PlayError::MissingLayer {

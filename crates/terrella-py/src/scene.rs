@@ -15,7 +15,7 @@ use terrella::frames::Epoch;
 use terrella_orbit::Feed;
 use terrella_play::clock::frame_epoch;
 use terrella_play::scene::Scene;
-use terrella_play::{ScenePictures, Shot, take_starter_files};
+use terrella_play::{DroppedLayer, ScenePictures, Shot, take_starter_files};
 
 /// Reads a scene from `path`, or from `text` if it is given. `textures` supplies the files that the scene does not name.
 pub fn read_scene(path: &Path, text: Option<&str>, textures: &Path) -> PyResult<Scene> {
@@ -34,6 +34,7 @@ pub struct PyScene {
     pictures: Owned<ScenePictures>,
     feeds: Vec<Arc<dyn Feed>>,
     scene: Scene,
+    notices: Vec<String>,
     #[pyo3(get)]
     adapter: String,
     #[pyo3(get)]
@@ -58,7 +59,13 @@ impl PyScene {
             ScenePictures::of_scene(scene, adapter.as_deref(), size).map_err(of_play)
         })?;
         let flight = pictures.flight();
+        let mut notices = flight.scene().notices.clone();
+        let dropped = flight.dropped_layers().map_err(of_play)?;
+        notices.extend(dropped.into_iter().map(|DroppedLayer { layer, missing }| {
+            format!("{layer}: left out, because a file is missing or corrupt: {missing}")
+        }));
         Ok(Self {
+            notices,
             feeds: flight
                 .satellites()
                 .iter()
@@ -89,10 +96,10 @@ impl PyScene {
         self.scene.time.frame_rate_hz
     }
 
-    /// Where the scene is not followed exactly, as sentences.
+    /// Where the scene is not followed exactly, as sentences, with the layers that are left out.
     #[getter]
     fn notices(&self) -> Vec<String> {
-        self.scene.notices.clone()
+        self.notices.clone()
     }
 
     /// Names of its satellites.

@@ -64,6 +64,26 @@ def test_maps_came_with_the_package(monkeypatch):
     assert terrella.Earth((32, 18)).size == (32, 18)
 
 
+def test_the_package_has_all_starter_maps(root):
+    not_maps = {"Cargo.toml", "lib.rs", "LICENSE-APACHE", "LICENSE-MIT"}
+    maps = {path.name for path in (root / "textures").iterdir() if path.is_file()} - not_maps
+    assert {"day.jpg", "lines.bin", "place_names.bin", "places.bin", "stars.bin"} <= maps
+    for folder in [root / "crates/terrella-py/python/terrella/textures", FOLDER / "textures"]:
+        assert {path.name for path in folder.iterdir() if path.is_file()} == maps, folder
+
+
+def test_missing_lines_and_names_are_noticed(root, tmp_path, caplog):
+    tables = {"camera": {"mode": "geodetic"}, "layers": {"coast_lines": True, "place_names": True}, "output": {"size": [32, 18]}}
+    assert terrella.Scene.from_dict(tables, textures=root / "textures").notices == []
+    for name in ["day.jpg", "clouds.jpg", "night_lights.png", "water.png", "stars.bin", "milky_way.jpg", "moon.jpg"]:
+        (tmp_path / name).symlink_to(root / "textures" / name)
+    scene = terrella.Scene.from_dict(tables, textures=tmp_path)
+    assert [notice.partition(":")[0] for notice in scene.notices] == ["coast_lines", "place_names"]
+    assert "lines.bin" in scene.notices[0] and "place_names.bin" in scene.notices[1]
+    scene.frame()
+    assert all(any(name in record.message for record in caplog.records) for name in ["coast_lines", "place_names"]), caplog.text
+
+
 @pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is not installed")
 def test_a_film(scene, tmp_path):
     path = tmp_path / "iss.mp4"

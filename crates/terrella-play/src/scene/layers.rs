@@ -40,6 +40,8 @@ pub struct LayersTable {
     pub width_px: f64,
     /// File of coast lines and borders; `None` is the starter pack's.
     pub vector_map: Option<PathBuf>,
+    /// Folder of the starter pack; `None` searches for it. No key of a scene: a host sets it.
+    pub folder: Option<PathBuf>,
 }
 
 /// Style of lines.

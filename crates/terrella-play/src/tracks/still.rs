@@ -5,7 +5,8 @@ use crate::coverage_layer::coverage_polygons;
 use crate::error::PlayError;
 use crate::flight::Flight;
 use crate::geo_layers::geo_layers;
-use crate::map_lines::{lines, shadow_lines, twilight};
+use crate::map_lines::{dropped_lines, lines, shadow_lines, twilight};
+use crate::maps::DroppedLayer;
 use crate::place_names::place_names;
 use crate::scene::Scene;
 use terrella::tracks::{
@@ -38,6 +39,9 @@ impl Still {
     /// A missing or corrupt file, in a strict scene.
     pub fn of(scene: &Scene, flight: &Flight) -> Result<Self, PlayError> {
         let ellipsoid = flight.ellipsoid();
+        for DroppedLayer { layer, missing } in dropped_lines(scene)? {
+            tracing::warn!("{missing}; {layer} left out");
+        }
         let mut lines = lines(scene, ellipsoid)?;
         let taken = lines.iter().map(Polylines::point_count).sum();
         let mut geo = geo_layers(scene, ellipsoid, taken)?;
@@ -51,7 +55,6 @@ impl Still {
         // Beneath the polygons of files.
         let mut polygons = coverage_polygons(scene, flight)?;
         polygons.append(&mut geo.polygons);
-        // What is missing is reported where the scene is opened.
         let (cities, _) = place_names(scene)?;
         let mut marks = geo.marks;
         marks.extend(cities.iter().map(|city| GroundMark {

@@ -128,8 +128,8 @@ def sweep(
 
 
 def _files_of(key: dict[str, Any]) -> list[str]:
-    """Names of the files of maps and stars that a scene's pictures come from."""
-    return [Path(file["file"]).name for file in key["inputs"] if file["key"].startswith(("earth.", "sky."))]
+    """Names of the files of maps, lines and stars that a scene's pictures come from."""
+    return [Path(file["file"]).name for file in key["inputs"] if file["key"].startswith(("earth.", "layers.", "sky."))]
 
 
 def _dates_of(scene: Path, maps: Path) -> Any:
