@@ -10,7 +10,7 @@ from conftest import ROOT
 from farm_help import write_scene
 from terrella import farm
 from terrella.farm._card import attribution
-from terrella.farm._samples import Chosen
+from terrella.farm._samples import Chosen, Plan
 
 COUNT = 5
 LAYERS = ("land", "cloud_cover", "sun_elevation_deg", "range_m")
@@ -52,6 +52,23 @@ def test_times_are_moved_to_an_elevation(is_morning):
 def test_a_sun_that_never_stands_so_high_is_an_error(swept, tmp_path):
     with pytest.raises(ValueError, match="sun_elevation_deg: sample 0: in 100 attempts"):
         farm.sweep(swept / "scene.toml", tmp_path / "out", **{**CHOSEN, "place": (80.0, 0.0), "sun_elevation_deg": 60.0})
+
+
+@pytest.mark.parametrize("wanted", [120, -90.5, float("nan"), farm.Uniform(100, 200), farm.Uniform(80, 91), farm.LogUniform(10, 100), farm.Choice([10.0, 95.0]),
+                                    farm.Normal(40, 20), farm.Normal(40, 20, -90, 100), pytest.param(farm.distributions.Constant(-100), id="constant")])
+def test_a_sun_beyond_the_zenith_is_an_error(swept, tmp_path, wanted):
+    with pytest.raises(ValueError, match="sun_elevation_deg: .* is not from -90 to 90"):
+        farm.sweep(swept / "scene.toml", tmp_path / "out", **{**CHOSEN, "sun_elevation_deg": wanted})
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_function_that_draws_a_sun_beyond_the_zenith_is_an_error():
+    given = {"place": (0.0, 0.0), "height_m": 5e5, "heading_deg": 0.0, "pitch_deg": -90.0, "fov_deg": 45.0, "time": "2018-03-20T12:00:00Z"}
+    plan = Plan(1, {name: farm.distributions.Constant(value) for name, value in given.items()}, lambda random, index: {"sun_elevation_deg": 120})
+    with pytest.raises(ValueError, match="sun_elevation_deg: sample 0: 120 is not from -90 to 90"):
+        plan.sample(0)
+    # Bounds make a Gaussian possible.
+    farm.distributions.check_extent(farm.Normal(40, 20, -90, 90), "sun_elevation_deg", -90, 90)
 
 
 def test_sets_with_much_night_warn(swept, tmp_path):

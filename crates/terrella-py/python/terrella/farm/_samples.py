@@ -104,6 +104,8 @@ class Plan:
         for _ in range(_ATTEMPTS):
             chosen = self._drawn(index, random)
             wanted = chosen.values.get("sun_elevation_deg")
+            if wanted is not None and not -90 <= float(wanted) <= 90:
+                raise ValueError(f"sun_elevation_deg: sample {index}: {wanted} is not from -90 to 90")
             if wanted is None or chosen.move_time(float(wanted), random.random() < 0.5):
                 return chosen
         raise ValueError(f"sun_elevation_deg: sample {index}: in {_ATTEMPTS} attempts the Sun never reached the elevation at a place that was drawn; "

@@ -19,7 +19,7 @@ from ._formats import FORMATS
 from ._open_engine import open_engine
 from ._report import FarmError, Report
 from ._samples import ORDER, Plan
-from .distributions import Constant, Dates, Drawn, LogUniform, OnSphere, Uniform, as_distribution, told
+from .distributions import Constant, Dates, Drawn, LogUniform, OnSphere, Uniform, as_distribution, check_extent, told
 
 FORMAT = "terrella sweep 1"
 MANIFEST = "manifest.json"
@@ -96,6 +96,8 @@ def sweep(
     given = {"place": place, "height_m": height_m, "heading_deg": heading_deg, "pitch_deg": pitch_deg, "fov_deg": fov_deg, "time": time,
              "exposure_ev": exposure_ev, "sun_elevation_deg": sun_elevation_deg}
     distributions = {name: as_distribution(value, name) for name, value in given.items() if value is not None}
+    if "sun_elevation_deg" in distributions:
+        check_extent(distributions["sun_elevation_deg"], "sun_elevation_deg", -90, 90)
     if time is None:
         distributions["time"] = _dates_of(scene, maps)
     expected = _worker.expected_inputs(scene, maps)

@@ -176,6 +176,24 @@ def as_distribution(value: Drawn, name: str) -> Any:
     return value
 
 
+def check_extent(distribution: Any, name: str, least: float, most: float) -> None:
+    """Rejects a distribution that can draw a number outside a range. The numbers of functions are checked when they are drawn."""
+    ends: Sequence[Any] = ()
+    if isinstance(distribution, Constant):
+        ends = (distribution.value,)
+    elif isinstance(distribution, (Uniform, LogUniform)):
+        ends = (distribution.least, distribution.most)
+    elif isinstance(distribution, Normal):
+        # Six deviations from the mean lies one number of a thousand million.
+        far = 6 * distribution.deviation
+        ends = (max(distribution.least, distribution.mean - far), min(distribution.most, distribution.mean + far))
+    elif isinstance(distribution, Choice):
+        ends = distribution.values
+    if not all(least <= float(end) <= most for end in ends):
+        words = distribution.value if isinstance(distribution, Constant) else distribution
+        raise ValueError(f"{name}: {words} is not from {least} to {most}")
+
+
 def drawn(distribution: Any, random: np.random.Generator) -> Any:
     """A value of a distribution or of a function."""
     return distribution.draw(random) if hasattr(distribution, "draw") else distribution(random)
