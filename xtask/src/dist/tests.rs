@@ -343,6 +343,24 @@ fn the_wheel_draws_a_first_picture() {
         "--target",
     ]);
     assert!(pip.arg(&site).arg(&wheel).status().unwrap().success());
+    let maps = names(&site.join("terrella/textures"));
+    for map in [
+        "SOURCES.md",
+        "clouds.jpg",
+        "day.jpg",
+        "elevation.png",
+        "elevation.toml",
+        "lines.bin",
+        "milky_way.jpg",
+        "moon.jpg",
+        "night_lights.png",
+        "place_names.bin",
+        "places.bin",
+        "stars.bin",
+        "water.png",
+    ] {
+        assert!(maps.iter().any(|name| name == map), "no {map}: {maps:?}");
+    }
     let page = fs::read_to_string(repository_root().join("docs/embedding/python.md")).unwrap();
     let mut program = Command::new(&python);
     program
