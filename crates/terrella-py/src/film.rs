@@ -11,7 +11,7 @@ use pyo3::types::PyBytes;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use terrella::GpuContext;
-use terrella::{Pack, SurfaceKind};
+use terrella::{Exposure, Pack, SurfaceKind};
 use terrella_play::scene::{Scene, StartSource};
 use terrella_play::{
     Existing, FilmFrames, FilmKey, FilmPainter, FilmRequest, Flight, FrameRange, FrameRecord,
@@ -347,6 +347,15 @@ fn scene_dates(py: Python<'_>, path: PathBuf, textures: PathBuf) -> PyResult<(Py
     Ok((PyEpoch(time.start), PyEpoch(time.end())))
 }
 
+/// The fixed exposure of a scene, exposure values; `None` if it is automatic.
+#[pyfunction]
+fn scene_exposure(py: Python<'_>, path: PathBuf, textures: PathBuf) -> PyResult<Option<f64>> {
+    py.detach(|| match load(&path, &textures)?.output.exposure {
+        Exposure::Ev(ev) => Ok(Some(ev)),
+        Exposure::Auto => Ok(None),
+    })
+}
+
 /// What an MP4 of so many frames lacks, in words; None where it is complete. ffmpeg may end without an error although the disk was full.
 #[pyfunction]
 fn mp4_problem(py: Python<'_>, path: PathBuf, frames: u64) -> Option<String> {
@@ -360,5 +369,6 @@ pub fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(mp4_problem, module)?)?;
     module.add_function(wrap_pyfunction!(scene_dates, module)?)?;
     module.add_function(wrap_pyfunction!(scene_attribution, module)?)?;
+    module.add_function(wrap_pyfunction!(scene_exposure, module)?)?;
     module.add_function(wrap_pyfunction!(scene_key, module)?)
 }

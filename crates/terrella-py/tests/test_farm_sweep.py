@@ -85,9 +85,18 @@ def test_the_manifest_says_what_is_in_it(swept):
     assert manifest["format"] == "terrella sweep 1" and manifest["complete"] and manifest["count"] == COUNT
     assert manifest["scene"]["text"] == SCENE and manifest["seed"] == 7
     assert [layer["name"] for layer in manifest["layers"]] == list(LAYERS) and manifest["layers"][0]["unit"]
+    assert manifest["exposure_ev"] == 0.5 and all(known["exposure_ev"] == 0.5 for *_, known in samples(swept / "one"))
+    assert "| `exposure_ev` | the scene's: 0.5 |" in (swept / "one/README.md").read_text()
     assert manifest["drawn"]["height_m"] == "LogUniform(least=400000.0, most=4000000.0)"
     assert [shard["samples"] for shard in manifest["shards"]] == [4, 4, 4, 4, 4, 1]
     assert sorted(os.listdir(swept / "one")) == sorted(["README.md", "manifest.json", *(shard["file"] for shard in manifest["shards"])])
+
+
+def test_automatic_exposure_has_no_number(swept, tmp_path):
+    scene = write_scene(tmp_path, SCENE + 'exposure_ev = "auto"\n')
+    farm.sweep(scene, tmp_path / "out", workers=1, **{**CHOSEN, "count": 1})
+    assert json.loads((tmp_path / "out/manifest.json").read_text())["exposure_ev"] == "auto"
+    assert [known["exposure_ev"] for *_, known in samples(tmp_path / "out")] == [None]
 
 
 def test_a_sample_hangs_on_seed_and_number_alone(swept, tmp_path):

@@ -98,8 +98,8 @@ class Earth(_native.Earth):
     ``size`` is width and height in pixels; ``textures`` a folder of maps (by default that of TERRELLA_TEXTURES, else the maps that came with
     the package); ``adapter`` a part of the name of the graphics adapter (by default the best); ``samples`` 1 or 4 a pixel; ``air``, ``clouds``
     and ``night_lights`` draw the atmosphere, clouds and city lights; ``detail`` adds synthetic detail below the maps' texels;
-    ``directional_reflectance`` reflects sunlight by direction, and without it land and clouds are Lambertian; ``exposure_ev`` sets the exposure
-    (fixed by default). ``Earth.from_dict`` has terrain, packs, open water and all other settings.
+    ``directional_reflectance`` reflects sunlight by direction, and without it land and clouds are Lambertian; ``exposure_ev`` is the exposure, by default 0.5:
+    light is multiplied by 2 to this power before display, so that each step of 1 doubles it. ``Earth.from_dict`` has terrain, packs, open water and all other settings.
 
     The first image of each kind (colour, light, truth) creates its renderer. Any thread may call it; it renders one image at a time, and other
     Python threads run meanwhile. After ``fork`` a child must create its own.

@@ -36,6 +36,8 @@ def card(manifest: dict[str, Any]) -> str:
     drawn = "".join(f"| `{name}` | `{words}` |\n" for name, words in manifest["drawn"].items())
     if manifest["draw"]:
         drawn += f"| several, by `draw` | `{manifest['draw']}` |\n"
+    if "exposure_ev" not in manifest["drawn"]:
+        drawn += f"| `exposure_ev` | the scene's: {manifest['exposure_ev']} |\n"
     named = "".join(f"- {source['source']}: {source['licence']}\n" for source in manifest["attribution"])
     files = "tar shards, as WebDataset reads them" if manifest["kind"] == "webdataset" else "a Zarr group"
     return f"""---

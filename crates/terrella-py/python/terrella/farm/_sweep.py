@@ -63,7 +63,7 @@ def sweep(
 
     `place` gives a latitude and a longitude, `height_m` metres above the ellipsoid, `heading_deg` degrees clockwise from north, `pitch_deg`
     degrees above the horizontal, `fov_deg` the vertical field of view, `time` a time (by default any of the scene's), `exposure_ev` exposure
-    values (by default the scene's exposure). `sun_elevation_deg` moves each time, by half a day at most, to when the Sun stands so high over the
+    values (by default the scene's exposure, fixed at 0.5 unless it sets another; null in samples of a scene with automatic exposure). `sun_elevation_deg` moves each time, by half a day at most, to when the Sun stands so high over the
     ground in the middle of the image. Each is a distribution of `terrella.farm`, a value, or a function of a
     `numpy.random.Generator`; `draw` is a function of a generator and the sample's number that returns several of them by name. Functions
     must be defined in a module that workers can import. `layers` are names of `terrella.truth_layers()`.
@@ -101,6 +101,7 @@ def sweep(
     if time is None:
         distributions["time"] = _dates_of(scene, maps)
     expected = _worker.expected_inputs(scene, maps)
+    exposure = _native.scene_exposure(scene, maps)
     definition = {
         "format": FORMAT,
         "program": key["program"],
@@ -113,6 +114,7 @@ def sweep(
         "samples_a_shard": samples_a_shard,
         "kind": format,
         "drawn": {name: told(distributions[name]) for name in ORDER if name in distributions},
+        "exposure_ev": "auto" if exposure is None else exposure,
         "draw": None if draw is None else told(as_distribution(draw, "draw")),
         "attribution": attribution(maps, _files_of(key), _native.scene_attribution(scene, maps)),
     }
@@ -125,7 +127,7 @@ def sweep(
                       "sun_elevation_deg=farm.Uniform(10, 80) moves their times to daylight", stacklevel=2)
     part = {"scene": str(scene), "textures": None if textures is None else str(maps), "out": str(out), "size": tuple(size),
             "layers": list(layers), "adapter": adapter, "expected": expected, "plan": plan, "kind": format,
-            "scene_blake3": key["scene_blake3"]}
+            "scene_blake3": key["scene_blake3"], "exposure_ev": exposure}
     return _fill(out, definition, part, FORMATS[format], workers, address, overwrite, retries, progress)
 
 
@@ -308,5 +310,8 @@ def _sample(scene: Any, part: dict[str, Any], index: int) -> tuple[int, dict[str
     camera, time = chosen.camera(), chosen.values["time"]
     color = scene.color(time, camera=camera, exposure_ev=chosen.values.get("exposure_ev"))
     truth = scene.truth(time, part["layers"], camera=camera) if part["layers"] else {}
-    known = {**chosen.told(), "seed": part["plan"].seed, "scene_blake3": part["scene_blake3"]}
+    told = chosen.told()
+    if told["exposure_ev"] is None:
+        told["exposure_ev"] = part["exposure_ev"]
+    known = {**told, "seed": part["plan"].seed, "scene_blake3": part["scene_blake3"]}
     return index, known, color, truth
