@@ -5,6 +5,8 @@ import json
 import math
 import os
 import resource
+import shutil
+import sys
 import tarfile
 
 import numpy as np
@@ -190,17 +192,55 @@ def test_other_sweeps_are_rejected(swept):
     scene, out = swept / "scene.toml", swept / "one"
     before = inodes(out, ".tar")
     other = write_scene(swept, SCENE.replace("samples = 1", "samples = 4"), "other.toml")
+    # Without clouds a scene reads fewer maps, and none of them is another.
+    cloudless = write_scene(swept, SCENE + "[earth]\nclouds = false\n", "cloudless.toml")
     for path, options, words in [
         (scene, {"seed": 8}, "seed was 7 and is 8"),
         (scene, {"size": (41, 32)}, "size was"),
         (scene, {"layers": ("lit",)}, "layers was"),
         (scene, {"height_m": 5e5}, "height_m was LogUniform.* and is Constant"),
         (scene, {"count": 22}, "count was 21 and is 22"),
-        (other, {}, "the scene, or a file that it names, has changed"),
+        (other, {}, "holds another sweep: the scene has changed; choose"),
+        (cloudless, {}, "holds another sweep: the scene has changed; choose"),
     ]:
-        with pytest.raises(farm.FarmError, match=words):
+        with pytest.raises(farm.FarmError, match=words) as raised:
             farm.sweep(path, out, **{**CHOSEN, **options})
+        assert len(str(raised.value)) < 400, raised.value
     assert inodes(out, ".tar") == before
+
+
+def test_changed_maps_are_named(swept, tmp_path):
+    maps, scene = tmp_path / "maps", swept / "scene.toml"
+    shutil.copytree(os.environ["TERRELLA_TEXTURES"], maps)
+    one = {**CHOSEN, "count": 1, "workers": 1, "textures": maps}
+    farm.sweep(scene, tmp_path / "out", **one)
+    shutil.copy(maps / "water.png", maps / "clouds.png")
+    (maps / "clouds.jpg").unlink()
+    with pytest.raises(farm.FarmError, match="holds another sweep: the scene reads other files; choose"):
+        farm.sweep(scene, tmp_path / "out", **one)
+    (maps / "clouds.png").unlink()
+    shutil.copy(maps / "day.jpg", maps / "clouds.jpg")
+    with pytest.raises(farm.FarmError, match="holds another sweep: the maps have changed \\(clouds.jpg\\); choose"):
+        farm.sweep(scene, tmp_path / "out", **one)
+
+
+def test_a_call_without_workers_leaves_the_folder_as_it_was(swept, tmp_path, monkeypatch):
+    scene = swept / "scene.toml"
+    for options, kind in [({"workers": 0}, ValueError), ({"address": "nonsense://x", "workers": None}, farm.FarmError)]:
+        with pytest.raises(kind):
+            farm.sweep(scene, tmp_path / "out", **{**CHOSEN, **options})
+        assert not (tmp_path / "out").exists()
+    # As if Dask were not installed.
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    monkeypatch.delitem(sys.modules, "terrella.farm._dask", raising=False)
+    monkeypatch.delattr("terrella.farm._dask", raising=False)
+    before = contents(swept / "one", ".tar")
+    for out, options in [(tmp_path / "out", {}), (swept / "one", {"overwrite": True})]:
+        with pytest.raises(farm.FarmError, match=r"pip install 'terrella-earth\[farm\]'"):
+            farm.sweep(scene, out, address="local", **{**CHOSEN, **options})
+    with pytest.raises(farm.FarmError, match="pip install"):
+        farm.film(scene, tmp_path / "out", address="local")
+    assert not (tmp_path / "out").exists() and contents(swept / "one", ".tar") == before
 
 
 def test_bad_arguments_are_named(swept, tmp_path):

@@ -15,7 +15,7 @@ from .._earth import _textures
 from .._film import encode_frames
 from . import _files, _run, _worker
 from ._engine import Call
-from ._open_engine import open_engine
+from ._open_engine import check_engine, open_engine
 from ._report import FarmError, Report
 
 # Prefix of unfinished frames, the same as the command's.
@@ -66,6 +66,7 @@ def film(
     if frames_a_task is not None and not 1 <= frames_a_task <= 10_000:
         raise ValueError(f"frames_a_task: {frames_a_task} is not from 1 to 10000")
     _run.checked_retries(retries)
+    check_engine(workers, address)
     if video is not None and (format in ("exr", "pq", "hlg") or alpha):
         raise ValueError("video: is made of opaque PNG of 8 bits; leave format and alpha out, or make it from the frames yourself")
     maps = _textures(textures)
@@ -87,13 +88,13 @@ def film(
                                 "clipmap or projected-grid): frames may differ from those of one run; surface = \"contours\" draws the same everywhere")
         if lacking:
             begun = folder.kept_adapter or ""
-            folder.begin(begun)
             common = {
                 "scene": str(scene), "textures": None if textures is None else str(maps), "out": str(out), "pictures": options,
                 "size": size, "adapter": adapter, "expected": _worker.expected_inputs(scene, maps),
             }
             engine = open_engine(workers, address)
             try:
+                folder.begin(begun)
                 taking = _Taking(folder, report, begun)
                 calls = _calls(common, folder, lacking, engine.workers, frames_a_task)
                 _run.drive(engine, calls, report, retries=retries, progress=_run.shown(progress, "frames"), take=taking)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import time
 import warnings
 from collections.abc import Callable, Iterator, Sequence
@@ -16,7 +17,7 @@ from . import _files, _run, _worker
 from ._card import CARD, attribution, card
 from ._engine import Call
 from ._formats import FORMATS
-from ._open_engine import open_engine
+from ._open_engine import check_engine, open_engine
 from ._report import FarmError, Report
 from ._samples import ORDER, Plan
 from .distributions import Constant, Dates, Drawn, LogUniform, OnSphere, Uniform, as_distribution, check_extent, told
@@ -29,6 +30,8 @@ _MOST_SAMPLES = 1_000_000_000
 # The number of samples checked before a sweep, and the share of night samples that causes a warning.
 _LOOKED_AT = 256
 _MUCH_NIGHT = 0.4
+# Most characters of a value in a message.
+_MOST_SHOWN = 80
 
 
 def sweep(
@@ -91,6 +94,7 @@ def sweep(
     if unknown or len(set(layers)) != len(layers):
         raise ValueError(f"layers: {', '.join(unknown) or 'one is named twice'}; there are {', '.join(known)}, each once")
     _run.checked_retries(retries)
+    check_engine(workers, address)
     maps = _textures(textures)
     key = json.loads(_native.scene_key(scene, maps))
     given = {"place": place, "height_m": height_m, "heading_deg": heading_deg, "pitch_deg": pitch_deg, "fov_deg": fov_deg, "time": time,
@@ -145,22 +149,16 @@ def _fill(out: Path, definition: dict[str, Any], part: dict[str, Any], kind: Any
           progress: Any) -> Report:
     """Makes the shards that lack."""
     _check_folder(out, definition, overwrite)
+    is_new = not out.exists()
     lock = _files.Lock(out)
     try:
         report = Report(out, "samples", wanted=definition["count"])
-        if overwrite:
-            kind.remove(out)
-            (out / MANIFEST).unlink(missing_ok=True)
-            for old in (out / _files.OWN).glob("journal-*.jsonl"):
-                old.unlink()
-        shards = _kept(out, definition, kind)
+        shards = {} if overwrite else _kept(out, definition, kind)
         report.kept = sum(shard["samples"] for shard in shards.values())
         calls = list(_calls(definition, part, set(shards)))
-        if not calls and (out / MANIFEST).exists() and json.loads((out / MANIFEST).read_text()).get("complete"):
+        if not calls and not overwrite and (out / MANIFEST).exists() and json.loads((out / MANIFEST).read_text()).get("complete"):
             _files.forget(out)
             return report
-        _write_manifest(out, definition, shards, complete=False)
-        kind.begin(out, definition)
 
         def take(call: Call, value: dict[str, Any]) -> None:
             shards[value["shard"]["shard"]] = value["shard"]
@@ -172,8 +170,18 @@ def _fill(out: Path, definition: dict[str, Any], part: dict[str, Any], kind: Any
             report.adapters.add(f"{value['adapter']}")
             report.notes += value["notes"]
 
-        engine = open_engine(workers, address)
         try:
+            engine = open_engine(workers, address)
+        except BaseException:
+            # Nothing was rendered: the folder stays as it was.
+            if is_new:
+                shutil.rmtree(out, ignore_errors=True)
+            raise
+        try:
+            if overwrite:
+                _remove(out, kind)
+            _write_manifest(out, definition, shards, complete=False)
+            kind.begin(out, definition)
             _run.drive(engine, iter(calls), report, retries=retries, progress=_run.shown(progress, "samples"), take=take)
         finally:
             engine.close()
@@ -193,6 +201,14 @@ def _fill(out: Path, definition: dict[str, Any], part: dict[str, Any], kind: Any
         lock.release()
 
 
+def _remove(out: Path, kind: Any) -> None:
+    """Removes an earlier sweep."""
+    kind.remove(out)
+    (out / MANIFEST).unlink(missing_ok=True)
+    for old in (out / _files.OWN).glob("journal-*.jsonl"):
+        old.unlink()
+
+
 def _keep(out: Path, definition: dict[str, Any], shards: dict[int, dict[str, Any]]) -> None:
     """What is done comes into the manifest, if there is room; else the journals have it."""
     try:
@@ -202,8 +218,9 @@ def _keep(out: Path, definition: dict[str, Any], shards: dict[int, dict[str, Any
 
 
 def _check_folder(out: Path, definition: dict[str, Any], overwrite: bool) -> None:
-    """Rejects a folder that holds something else."""
-    out.mkdir(parents=True, exist_ok=True)
+    """Rejects a folder that holds something else. Writes nothing."""
+    if not out.exists():
+        return
     manifest = out / MANIFEST
     if manifest.exists():
         try:
@@ -217,6 +234,9 @@ def _check_folder(out: Path, definition: dict[str, Any], overwrite: bool) -> Non
                             "give overwrite=True to draw all again")
         differences = [name for name in definition if definition[name] != found.get(name)]
         if differences:
+            if "scene" in differences:
+                # These follow from the scene and its files.
+                differences = [name for name in differences if name not in ("maps_sha256", "attribution", "exposure_ev")]
             words = "; ".join(_difference(name, found.get(name), definition[name]) for name in differences)
             raise FarmError(f"{out}: holds another sweep: {words}; choose another folder, or give overwrite=True to draw all again")
         return
@@ -227,15 +247,34 @@ def _check_folder(out: Path, definition: dict[str, Any], overwrite: bool) -> Non
 
 def _difference(name: str, found: Any, wanted: Any) -> str:
     if name == "scene":
-        return "the scene, or a file that it names, has changed"
-    if name == "maps_sha256":
-        return "the maps have changed"
+        return _scene_difference(found or {}, wanted)
+    if name in ("maps_sha256", "attribution"):
+        return f"{name} has changed"
     if name == "layers":
         found, wanted = ([layer["name"] for layer in layers or []] for layers in (found, wanted))
     if name == "drawn":
         names = [one for one in {**(found or {}), **wanted} if (found or {}).get(one) != wanted.get(one)]
-        return "; ".join(f"{one} was {(found or {}).get(one)} and is {wanted.get(one)}" for one in names)
-    return f"{name} was {found} and is {wanted}"
+        return "; ".join(f"{one} was {_short((found or {}).get(one))} and is {_short(wanted.get(one))}" for one in names)
+    return f"{name} was {_short(found)} and is {_short(wanted)}"
+
+
+def _scene_difference(found: dict[str, Any], wanted: dict[str, Any]) -> str:
+    """Which of a scene and its files have changed."""
+    known = {(file["key"], file["file"]): file["blake3"] for file in found.get("inputs", [])}
+    changed = [file for file in wanted["inputs"] if known.get((file["key"], file["file"]), file["blake3"]) != file["blake3"]]
+    parts = []
+    if any(found.get(name) != wanted[name] for name in ("file", "blake3")):
+        parts.append("the scene has changed")
+    is_map = [file["key"].startswith(("earth.", "layers.", "sky.")) for file in changed]
+    for what, wanted_kind in [("maps", True), ("other files of the scene", False)]:
+        if names := [Path(file["file"]).name for file, kind in zip(changed, is_map) if kind == wanted_kind]:
+            parts.append(f"the {what} have changed ({_short(', '.join(names))})")
+    return "; ".join(parts) or "the scene reads other files"
+
+
+def _short(value: Any) -> str:
+    words = str(value)
+    return words if len(words) <= _MOST_SHOWN else words[:_MOST_SHOWN] + "…"
 
 
 def _kept(out: Path, definition: dict[str, Any], kind: Any) -> dict[int, dict[str, Any]]:
