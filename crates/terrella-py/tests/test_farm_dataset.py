@@ -10,6 +10,7 @@ from conftest import ROOT
 from farm_help import write_scene
 from terrella import farm
 from terrella.farm._card import attribution
+from terrella.farm._card import card as card_of
 from terrella.farm._samples import Chosen, Plan
 
 COUNT = 5
@@ -83,8 +84,10 @@ def test_the_card_and_the_manifest_name_licences(swept):
     manifest = json.loads((swept / "tar/manifest.json").read_text())
     assert {"day", "clouds"} <= {source["file"].partition(".")[0] for source in manifest["attribution"]}
     card = (swept / "tar/README.md").read_text()
-    for words in [manifest["attribution"][0]["source"], "| `cloud_cover` |", "Uniform(least=20", 'farm.DataSet("tar")', "24 × 16"]:
+    for words in [manifest["attribution"][0]["source"], "| `cloud_cover` |", "Uniform(least=20", 'farm.DataSet("tar")', "24 × 16", "`[earth] detail = false`", "rendered by terrella 0."]:
         assert words in card, words
+    layers = [layer for layer in manifest["layers"] if layer["name"] != "cloud_cover"]
+    assert "detail" not in card_of({**manifest, "name": "tar", "layers": layers})
 
 
 def test_both_formats_hold_the_same_samples(swept):

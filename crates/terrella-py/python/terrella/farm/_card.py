@@ -40,6 +40,12 @@ def card(manifest: dict[str, Any]) -> str:
         drawn += f"| `exposure_ev` | the scene's: {manifest['exposure_ev']} |\n"
     named = "".join(f"- {source['source']}: {source['licence']}\n" for source in manifest["attribution"])
     files = "tar shards, as WebDataset reads them" if manifest["kind"] == "webdataset" else "a Zarr group"
+    clouds = ""
+    if any(layer["name"] == "cloud_cover" for layer in manifest["layers"]):
+        clouds = """
+`cloud_cover` is the cover of the smooth cloud map. With synthetic detail (`detail` of the scene, on by default) the images show finer clouds than
+this label. A scene with `[earth] detail = false` shows the clouds of the label.
+"""
     return f"""---
 license: other
 task_categories: [image-segmentation, depth-estimation]
@@ -48,13 +54,13 @@ tags: [synthetic, earth-observation, terrella]
 
 # {manifest['count']} rendered images of the Earth
 
-Images of {width} × {height} pixels with the truth of each pixel, rendered by terrella {manifest['program']} from the scene `{manifest['scene']['file']}`.
+Images of {width} × {height} pixels with the truth of each pixel, rendered by {manifest['program']} from the scene `{manifest['scene']['file']}`.
 The files are {files}; `manifest.json` describes them and has their checksums. Clouds, city lights and light are those of a model: the images
 show no real date.
 
 | layer | unit | type | what |
 |---|---|---|---|
-{layers}
+{layers}{clouds}
 Each sample depends on the seed, {manifest['seed']}, and its number. Its quantities were drawn from
 
 | quantity | from |

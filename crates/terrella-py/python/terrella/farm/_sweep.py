@@ -71,6 +71,8 @@ def sweep(
     `numpy.random.Generator`; `draw` is a function of a generator and the sample's number that returns several of them by name. Functions
     must be defined in a module that workers can import. `layers` are names of `terrella.truth_layers()`.
 
+    `cloud_cover` is that of the smooth cloud map: for labels of clouds, write `[earth] detail = false` in the scene.
+
     Where many samples look at ground by night a warning says so, before anything is rendered.
 
     A sample depends only on `seed` and its number. `format` "webdataset" writes tar shards of `samples_a_shard` samples, "zarr" a Zarr
@@ -128,7 +130,7 @@ def sweep(
     night = sum(chosen.sun_elevation_deg() < 0 for chosen in looked_at) / len(looked_at)
     if night >= _MUCH_NIGHT:
         warnings.warn(f"{night:.0%} of the samples look at ground where the Sun is below the horizon; "
-                      "sun_elevation_deg=farm.Uniform(10, 80) moves their times to daylight", stacklevel=2)
+                      "sun_elevation_deg=farm.Uniform(20, 80) moves their times to daylight", stacklevel=2)
     part = {"scene": str(scene), "textures": None if textures is None else str(maps), "out": str(out), "size": tuple(size),
             "layers": list(layers), "adapter": adapter, "expected": expected, "plan": plan, "kind": format,
             "scene_blake3": key["scene_blake3"], "exposure_ev": exposure}
