@@ -162,6 +162,7 @@ impl PyEarth {
     }
 
     /// Truth layers by name, all or those named: arrays of what each pixel shows, NaN without a value. `terrella.truth_layers()` explains them.
+    /// `lat_deg` and `lon_deg` are float64, the others float32.
     ///
     /// `time` is a time (see `Epoch`). The call waits for tiles of a pack for at most `wait_s` seconds.
     #[pyo3(signature = (camera, time, layers = None, *, wait_s = 30.0))]

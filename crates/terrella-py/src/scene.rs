@@ -180,6 +180,7 @@ impl PyScene {
     }
 
     /// Truth layers by name, all or those named, without spacecraft: arrays of what each pixel shows.
+    /// `lat_deg` and `lon_deg` are float64, the others float32.
     ///
     /// `time` is a time (see `Epoch`) or a `datetime.timedelta` after the start, which is the default.
     /// `camera` replaces the scene's camera: the spacecraft is then not drawn, and any date is allowed.

@@ -291,6 +291,8 @@ def test_distributions_draw_what_they_say():
     assert 40 <= box[:, 0].min() and box[:, 0].max() <= 50 and 5 <= box[:, 1].min() and box[:, 1].max() <= 15
     chosen = many(farm.Choice([1, 2, 3], weights=[1, 0, 3]))
     assert set(chosen) == {1, 3} and abs(np.mean(chosen == 3) - 0.75) < 0.03
+    dates = farm.Dates(terrella.Epoch("2018-01-01T00:00:00Z"), np.datetime64("2018-01-02T00:00:00"))
+    assert (dates.first, dates.last) == ("2018-01-01T00:00:00.000Z", "2018-01-02T00:00:00.000Z")
     for make in [lambda: farm.Uniform(2, 1), lambda: farm.LogUniform(0, 1), lambda: farm.Normal(0, 0), lambda: farm.Normal(0, 1, 99, 100),
                  lambda: farm.Choice([]), lambda: farm.Choice([1], [-1]), lambda: farm.OnSphere((0, 91)),
                  lambda: farm.Dates("2018-01-02T00:00:00Z", "2018-01-01T00:00:00Z"), lambda: farm.Uniform(0, math.nan)]:

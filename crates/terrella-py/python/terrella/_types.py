@@ -16,14 +16,14 @@ if TYPE_CHECKING:
 
 
 class AstropyTime(Protocol):
-    """A Time of astropy, one or an array of them."""
+    """A Time of astropy, one or an array of them. Its scales, such as ``utc``, are dynamic: type checkers do not see them."""
 
     @property
     def jd1(self) -> Any: ...
     @property
     def jd2(self) -> Any: ...
     @property
-    def utc(self) -> Any: ...
+    def scale(self) -> Any: ...
 
 
 class SkyfieldTime(Protocol):

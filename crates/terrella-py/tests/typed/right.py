@@ -37,4 +37,18 @@ pickle.dumps(camera)
 terrella.transform(positions, None, begin, source="gcrf", target="itrf")
 report = farm.sweep("look.toml", "data", 8, time=farm.Dates("2018-01-01T00:00:00Z", "2019-01-01T00:00:00Z"), sun_elevation_deg=farm.Uniform(10, 80))
 print(report.done, farm.DataSet("data")[0]["color"].shape, farm.coco("data", ["land"]))
+farm.sweep("look.toml", "one", 8, time=begin)
+farm.sweep("look.toml", "two", 8, time=np.datetime64("2018-01-01T00:00:00"))
+farm.sweep("look.toml", "three", 8, time=farm.Dates(begin, np.datetime64("2019-01-01T00:00:00")))
 farm.film("iss.toml", "frames", frames=range(3))
+
+
+class LikeAstropy:
+    """What type checkers see of a Time of astropy, whose scales are dynamic."""
+
+    jd1: float = 2458119.5
+    jd2: float = 0.0
+    scale: str = "utc"
+
+
+terrella.Epoch(LikeAstropy())

@@ -9,7 +9,7 @@ import time
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from .. import _native
 from .._earth import _textures
@@ -21,6 +21,9 @@ from ._open_engine import check_engine, open_engine
 from ._report import FarmError, Report
 from ._samples import ORDER, Plan
 from .distributions import Constant, Dates, Drawn, LogUniform, OnSphere, Uniform, as_distribution, check_extent, told
+
+if TYPE_CHECKING:
+    from .._types import Time
 
 FORMAT = "terrella sweep 1"
 MANIFEST = "manifest.json"
@@ -47,7 +50,7 @@ def sweep(
     heading_deg: Drawn = Uniform(0.0, 360.0),
     pitch_deg: Drawn = Uniform(-90.0, -40.0),
     fov_deg: Drawn = 45.0,
-    time: Drawn | None = None,
+    time: Drawn | Time | None = None,
     exposure_ev: Drawn | None = None,
     sun_elevation_deg: Drawn | None = None,
     draw: Callable[[Any, int], dict[str, Any]] | None = None,

@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING, Any, Protocol, Union
 if TYPE_CHECKING:
     import numpy as np
 
+    from .._types import Time
+
 
 class Distribution(Protocol):
     """Draws one value with the random numbers of a sample."""
@@ -139,10 +141,10 @@ class OnSphere:
 
 @dataclass(frozen=True)
 class Dates:
-    """Any instant from ``first`` to ``last``, as text like "2018-06-21T08:00:00Z"."""
+    """Any instant from ``first`` to ``last``, with equal probability. Both are a ``Time``, for example "2018-06-21T08:00:00Z", and kept as UTC text."""
 
-    first: str
-    last: str
+    first: Time
+    last: Time
 
     def __post_init__(self) -> None:
         from .. import _native
