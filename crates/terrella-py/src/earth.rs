@@ -171,7 +171,7 @@ impl PyEarth {
         py: Python<'py>,
         camera: &PyCamera,
         time: &Bound<'py, PyAny>,
-        layers: Option<Vec<String>>,
+        layers: Option<&Bound<'py, PyAny>>,
         wait_s: f64,
     ) -> PyResult<Bound<'py, PyDict>> {
         let layers = Layers::named(layers)?;

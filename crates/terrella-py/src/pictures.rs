@@ -70,10 +70,16 @@ pub struct Layers(Vec<&'static TruthLayer>);
 
 impl Layers {
     /// The layers with these names; all of them by default.
-    pub fn named(names: Option<Vec<String>>) -> PyResult<Self> {
+    pub fn named(names: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let Some(names) = names else {
             return Ok(Self(TRUTH_LAYERS.iter().collect()));
         };
+        // A text is no list of names: its letters would be.
+        let names: Vec<String> = names.extract().map_err(|_| {
+            PyTypeError::new_err(format!(
+                "layers: pass a list of names, for example [\"lat_deg\"], not {names:?}"
+            ))
+        })?;
         let found = names.iter().map(|name| {
             let layer = TRUTH_LAYERS.iter().find(|layer| layer.name == name);
             layer.ok_or_else(|| {

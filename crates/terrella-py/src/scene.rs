@@ -189,7 +189,7 @@ impl PyScene {
         &self,
         py: Python<'py>,
         time: Option<&Bound<'py, PyAny>>,
-        layers: Option<Vec<String>>,
+        layers: Option<&Bound<'py, PyAny>>,
         camera: Option<PyCamera>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let layers = Layers::named(layers)?;
@@ -228,7 +228,7 @@ impl PyScene {
         &self,
         py: Python<'py>,
         time: Option<&Bound<'py, PyAny>>,
-        layers: Option<Vec<String>>,
+        layers: Option<&Bound<'py, PyAny>>,
         camera: Option<PyCamera>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let layers = Layers::named(layers)?;

@@ -101,8 +101,14 @@ def test_both_formats_hold_the_same_samples(swept):
         assert list(one) == list(other) == ["color", *LAYERS] and one["color"].shape == (16, 24, 3)
         for name in one:
             assert one[name].dtype == other[name].dtype and np.array_equal(one[name], other[name], equal_nan=True), name
-    with pytest.raises(IndexError, match="5"):
-        tar[5]
+    assert tar.known(-1) == tar.known(np.int64(COUNT - 1)) and np.array_equal(tar[-1]["color"], tar[COUNT - 1]["color"])
+    assert [known["land"].shape for known in tar[1:4]] == [(16, 24)] * 3 and tar[5:] == []
+    for wrong in (5, -6):
+        with pytest.raises(IndexError, match=f"{wrong} is not from -5 to 4"):
+            tar[wrong]
+    for wrong in ("0", 1.0):
+        with pytest.raises(TypeError, match="index: a sample's number is needed"):
+            tar[wrong]
 
 
 def test_masks_are_those_of_the_layers(swept):
@@ -126,6 +132,16 @@ def test_masks_are_those_of_the_layers(swept):
         assert land[y : y + height, x : x + width].sum() == land.sum() and land[y].any() and land[:, x].any()
     with pytest.raises(ValueError, match="'sea' is none of"):
         farm.coco(swept / "zarr", ["sea"])
+    with pytest.raises(TypeError, match=r"categories: pass a list of names, for example \['land'\]"):
+        farm.coco(swept / "zarr", "land")
+
+
+def test_samples_of_chunks_count_from_the_end(swept):
+    data = farm.DataSet(swept / "zarr")
+    assert data.known(-1) == data.known(COUNT - 1) and np.array_equal(data.truth(-2)["land"], data[COUNT - 2]["land"], equal_nan=True)
+    assert [sample["color"].shape for sample in data[::2]] == [(16, 24, 3)] * 3
+    with pytest.raises(IndexError, match="5 is not from -5 to 4"):
+        data.known(5)
 
 
 def test_what_is_no_data_set(swept, tmp_path):

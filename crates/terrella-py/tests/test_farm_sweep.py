@@ -260,6 +260,8 @@ def test_bad_arguments_are_named(swept, tmp_path):
             sample = {**CHOSEN, **options}
             farm.sweep(scene, tmp_path / "out", workers=1, **sample)
             # Errors that only drawing can detect are in the report.
+    with pytest.raises(TypeError, match=r"layers: pass a list of names, for example \['lit'\]"):
+        farm.sweep(scene, tmp_path / "out", **{**CHOSEN, "layers": "lit"})
     with pytest.raises(farm.FarmError, match="exposure_ev") as raised:
         farm.sweep(scene, tmp_path / "out", workers=1, **{**CHOSEN, "count": 1, "exposure_ev": 99.0})
     assert raised.value.report.failed[0].name == "shard 0"

@@ -224,5 +224,14 @@ def test_a_sensor_that_is_none_names_the_key(earth):
             earth.raw(CAMERA, noon, {**SENSOR, key: value})
     with pytest.raises(TypeError, match="sensor"):
         earth.raw(CAMERA, noon, 12)
-    with pytest.raises(terrella.SceneError):
-        earth.raw(CAMERA, noon, {})
+    few = {key: value for key, value in SENSOR.items() if key not in ("f_number", "exposure_s")}
+    with pytest.raises(terrella.SceneError, match="sensor: f_number, exposure_s are missing; a sensor needs size, focal_length_mm"):
+        earth.raw(CAMERA, noon, few)
+    # Each key that a sensor cannot do without, and no other.
+    for key in SENSOR:
+        without = {name: value for name, value in SENSOR.items() if name != key}
+        if key in ("size", "focal_length_mm", "pixel_pitch_um", "f_number", "exposure_s", "full_well_e"):
+            with pytest.raises(terrella.SceneError, match=f"sensor: {key} is missing"):
+                earth.raw_truth(CAMERA, noon, without)
+        else:
+            earth.raw_truth(CAMERA, noon, without, ["lat_deg"])

@@ -1,8 +1,10 @@
 """What is wrong is said by an exception that names the argument."""
 
 import datetime
+import importlib
 import multiprocessing
 import os
+import sys
 
 import numpy as np
 import pytest
@@ -102,6 +104,9 @@ def test_what_earths_reject(earth):
         earth.color(CAMERA, NOON, wait_s=float("nan"))
     with pytest.raises(ValueError, match="layers.*no_such"):
         earth.truth(CAMERA, NOON, ["no_such"])
+    for wrong in ("lat_deg", 7, [7]):
+        with pytest.raises(TypeError, match=r'layers: pass a list of names, for example \["lat_deg"\]'):
+            earth.truth(CAMERA, NOON, wrong)
     with pytest.raises(TypeError, match="Camera"):
         earth.color("a camera", NOON)
     with pytest.raises(ValueError, match="samples"):
@@ -125,6 +130,16 @@ def test_what_scenes_reject(scene, root, tmp_path):
         terrella.Scene(bad)
     with pytest.raises(terrella.Error, match="simulator"):
         terrella.Scene(root / "config/live.toml")
+
+
+def test_packages_that_are_missing_are_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    monkeypatch.setitem(sys.modules, "jupyter_rfb", None)
+    monkeypatch.delitem(sys.modules, "terrella.notebook", raising=False)
+    with pytest.raises(ImportError, match="pip install xarray"):
+        terrella.truth_dataset({})
+    with pytest.raises(ImportError, match=r"pip install 'terrella-earth\[notebook\]'"):
+        importlib.import_module("terrella.notebook")
 
 
 def test_pictures_that_are_none():

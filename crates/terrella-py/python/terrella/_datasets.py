@@ -19,8 +19,7 @@ _NAMED_AXES = ("x", "y", "z")
 def truth_dataset(layers: Mapping[str, NDArray[Any]]) -> Any:
     """The arrays of ``truth`` as an ``xarray.Dataset`` with the axes ``row`` and ``column``, from the top left, and each layer's unit and meaning. Needs
     xarray."""
-    import xarray
-
+    xarray = _xarray()
     meanings = {name: {"units": unit, "long_name": what} for name, unit, _, what in _native.truth_layers()}
     axes = ("row", "column", "axis")
     variables = {name: (axes[: values.ndim], values, meanings.get(name, {})) for name, values in layers.items()}
@@ -34,8 +33,8 @@ def states_dataset(
     """What ``propagate`` returns as an ``xarray.Dataset``: ``position`` and ``velocity`` by ``satellite``, ``time`` and ``axis``. Times are datetime64 in UTC.
     Needs xarray."""
     import numpy
-    import xarray
 
+    xarray = _xarray()
     epochs = [_native.Epoch(time) for time in times] if _is_row(times) else [_native.Epoch(times)]  # type: ignore[arg-type, union-attr]
     positions_m, velocities_m_s = satellites.propagate(epochs, frame, outside=outside)
     names = satellites.satellites if isinstance(satellites, _native.Scene) else satellites.names
@@ -45,6 +44,14 @@ def states_dataset(
         {"satellite": names, "time": numpy.array([epoch.to_datetime64() for epoch in epochs]), "axis": list(_NAMED_AXES)},
         {"frame": frame},
     )
+
+
+def _xarray() -> Any:
+    try:
+        import xarray
+    except ImportError as error:
+        raise ImportError(f"this function needs xarray ({error}); pip install xarray") from error
+    return xarray
 
 
 def _is_row(times: Any) -> bool:

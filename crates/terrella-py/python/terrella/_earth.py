@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 # The scene tables that apply to an Earth without satellites and sky.
 _EARTH_TABLES = ("earth", "output")
+# The keys that a sensor must have.
+_SENSOR_KEYS = ("size", "focal_length_mm", "pixel_pitch_um", "f_number", "exposure_s", "full_well_e")
 # Turns off the rest of a scene: an Earth has neither sky nor satellites.
 _NOTHING_ELSE = {
     "camera": {"mode": "geodetic", "lat_deg": 0, "lon_deg": 0, "height_km": 10000},
@@ -152,6 +154,9 @@ class Earth(_native.Earth):
         self._sensor: tuple[str, Scene] | None = None
 
     def _scene_of(self, sensor: Mapping[str, Any]) -> Scene:
+        if isinstance(sensor, Mapping) and (missing := [key for key in _SENSOR_KEYS if key not in sensor]):
+            are = "is" if len(missing) == 1 else "are"
+            raise _native.SceneError(f"sensor: {', '.join(missing)} {are} missing; a sensor needs {', '.join(_SENSOR_KEYS)}")
         tables = {**self._tables, "sensor": sensor, **_NOTHING_ELSE}
         text = _toml.text(tables)
         kept = self._sensor
@@ -163,7 +168,8 @@ class Earth(_native.Earth):
     def raw(self, camera: Camera, time: Time, sensor: Mapping[str, Any]) -> NDArray[np.uint16]:
         """The raw frame of a sensor: height × width (uint16), in digital numbers.
 
-        ``sensor`` has the keys of a scene's ``[sensor]`` table: ``{"size": [1024, 768], "focal_length_mm": 12, ...}``. The camera says where the
+        ``sensor`` has the keys of a scene's ``[sensor]`` table. It needs ``size`` (width and height in pixels), ``focal_length_mm``,
+        ``pixel_pitch_um``, ``f_number``, ``exposure_s`` and ``full_well_e``; the other keys have defaults. The camera says where the
         sensor is and where it looks; the field of view, exposure and resolution are the sensor's. Stars, Sun and Moon are not in the frame;
         ``Scene.raw`` draws them. The Earth keeps the renderer of the sensor that it drew last."""
         return self._scene_of(sensor).raw(time, camera=camera)

@@ -12,7 +12,10 @@ import math
 import threading
 from typing import TYPE_CHECKING, Any
 
-from jupyter_rfb import RemoteFrameBuffer
+try:
+    from jupyter_rfb import RemoteFrameBuffer
+except ImportError as error:
+    raise ImportError(f"terrella.notebook needs jupyter_rfb ({error}); pip install 'terrella-earth[notebook]'") from error
 
 from ._native import Camera
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import bisect
 import io
 import json
+import operator
 import os
 import tarfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
 from . import _files
 from ._report import FarmError
@@ -35,7 +36,7 @@ class DataSet:
     >>> sample = data[0]
     >>> sample["color"].shape, sample["range_m"].dtype, data.known(0)["time_utc"]
 
-    A sample is a dict of arrays: ``color``, height × width × 3 bytes, and each layer. PyTorch's ``DataLoader`` takes it as it is, with any number of
+    Negative numbers count from the end, and a slice gives a list. A sample is a dict of arrays: ``color``, height × width × 3 bytes, and each layer. PyTorch's ``DataLoader`` takes it as it is, with any number of
     workers. Pictures of WebDataset shards need Pillow.
     """
 
@@ -57,20 +58,29 @@ class DataSet:
         count: int = self.manifest["count"]
         return count
 
-    def __getitem__(self, index: int) -> dict[str, NDArray[Any]]:
+    @overload
+    def __getitem__(self, index: SupportsIndex) -> dict[str, NDArray[Any]]: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[dict[str, NDArray[Any]]]: ...
+    def __getitem__(self, index: SupportsIndex | slice) -> dict[str, NDArray[Any]] | list[dict[str, NDArray[Any]]]:
+        if isinstance(index, slice):
+            return [self[number] for number in range(*index.indices(len(self)))]
+        index = self._number(index)
         color = self._chunk("color", index) if self._is_zarr() else _decoded(self._member(index, "png"))
         return {"color": color, **self.truth(index)}
 
-    def truth(self, index: int) -> dict[str, NDArray[Any]]:
+    def truth(self, index: SupportsIndex) -> dict[str, NDArray[Any]]:
         """The layers of a sample without its picture."""
         import numpy as np
 
+        index = self._number(index)
         if self._is_zarr():
             return {name: self._chunk(name, index) for name in self.layers}
         return {name: np.load(io.BytesIO(self._member(index, f"{name}.npy"))) for name in self.layers}
 
-    def known(self, index: int) -> dict[str, Any]:
+    def known(self, index: SupportsIndex) -> dict[str, Any]:
         """What is known of a sample besides its arrays: time, camera, exposure, the Sun."""
+        index = self._number(index)
         if not self._is_zarr():
             known: dict[str, Any] = json.loads(self._member(index, "json"))
             return known
@@ -85,9 +95,17 @@ class DataSet:
     def _is_zarr(self) -> bool:
         return bool(self.manifest["kind"] == "zarr")
 
+    def _number(self, index: SupportsIndex) -> int:
+        """The number of a sample; negative ones count from the end."""
+        try:
+            number = operator.index(index)
+        except TypeError:
+            raise TypeError(f"index: a sample's number is needed, not {type(index).__name__}") from None
+        if not -len(self) <= number < len(self):
+            raise IndexError(f"index: {number} is not from {-len(self)} to {len(self) - 1}")
+        return number % len(self)
+
     def _shard(self, index: int) -> int:
-        if not 0 <= index < len(self):
-            raise IndexError(f"index: {index} is not from 0 to {len(self) - 1}")
         return bisect.bisect_right(self._firsts, index) - 1
 
     def _member(self, index: int, ending: str) -> bytes:
@@ -104,7 +122,6 @@ class DataSet:
     def _chunk(self, name: str, index: int) -> NDArray[Any]:
         import numpy as np
 
-        self._shard(index)
         array = json.loads((self.folder / name / ".zarray").read_text(encoding="utf-8"))
         shape = array["chunks"][1:]
         chunk = self.folder / name / ".".join([str(index), *("0" for _ in shape)])
@@ -120,6 +137,8 @@ def coco(
     `range_m`, which the data set must have. Each is one mask of an image (`iscrowd` 1, uncompressed run lengths), left out where it is empty. A
     `file_name` is the image's shard and its name in it.
     """
+    if isinstance(categories, str):
+        raise TypeError(f"categories: pass a list of names, for example [{categories!r}], not a text")
     data = DataSet(folder)
     for name in categories:
         if name not in _CATEGORIES:

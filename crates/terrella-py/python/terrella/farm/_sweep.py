@@ -94,6 +94,8 @@ def sweep(
         raise ValueError(f"format: {format!r} is none of {', '.join(FORMATS)}")
     if not (len(size) == 2 and all(1 <= side <= 65536 for side in size)):
         raise ValueError(f"size: {size} is not two numbers of pixels from 1 to 65536")
+    if isinstance(layers, str):
+        raise TypeError(f"layers: pass a list of names, for example [{layers!r}], not a text")
     known = {name: (name, unit, dtype, what) for name, unit, dtype, what in _native.truth_layers()}
     unknown = [name for name in layers if name not in known]
     if unknown or len(set(layers)) != len(layers):
