@@ -291,12 +291,17 @@ def test_distributions_draw_what_they_say():
     assert abs(np.mean(np.abs(places[:, 0]) < 30) - 0.5) < 0.03 and abs(np.mean(places[:, 1] > 90) - 0.25) < 0.03
     box = np.array([farm.OnSphere((40, 50), (5, 15)).draw(random) for _ in range(500)])
     assert 40 <= box[:, 0].min() and box[:, 0].max() <= 50 and 5 <= box[:, 1].min() and box[:, 1].max() <= 15
+    pacific = np.array([farm.OnSphere((30, 60), (170, -160)).draw(random) for _ in range(600)])[:, 1]
+    assert np.abs(pacific).max() <= 180 and set(np.sign(pacific)) == {-1, 1} and (np.abs(pacific) >= 160).all()
+    assert pacific[pacific > 0].min() >= 170 and abs(np.mean(pacific > 0) - 1 / 3) < 0.07
+    assert 170 <= farm.OnSphere((30, 60), (170, 190)).draw(random)[1] <= 190
     chosen = many(farm.Choice([1, 2, 3], weights=[1, 0, 3]))
     assert set(chosen) == {1, 3} and abs(np.mean(chosen == 3) - 0.75) < 0.03
     dates = farm.Dates(terrella.Epoch("2018-01-01T00:00:00Z"), np.datetime64("2018-01-02T00:00:00"))
     assert (dates.first, dates.last) == ("2018-01-01T00:00:00.000Z", "2018-01-02T00:00:00.000Z")
     for make in [lambda: farm.Uniform(2, 1), lambda: farm.LogUniform(0, 1), lambda: farm.Normal(0, 0), lambda: farm.Normal(0, 1, 99, 100),
-                 lambda: farm.Choice([]), lambda: farm.Choice([1], [-1]), lambda: farm.OnSphere((0, 91)),
+                 lambda: farm.Choice([]), lambda: farm.Choice([1], [-1]), lambda: farm.OnSphere((0, 91)), lambda: farm.OnSphere((9, 1)),
+                 lambda: farm.OnSphere((0, 9), (0, 361)), lambda: farm.OnSphere((0, 9), (190, 170)), lambda: farm.OnSphere((0, 9), (0, math.nan)),
                  lambda: farm.Dates("2018-01-02T00:00:00Z", "2018-01-01T00:00:00Z"), lambda: farm.Uniform(0, math.nan)]:
         with pytest.raises(ValueError):
             make()

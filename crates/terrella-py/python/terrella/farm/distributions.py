@@ -121,22 +121,29 @@ class Choice:
 
 @dataclass(frozen=True)
 class OnSphere:
-    """A latitude and a longitude, degrees: every area of the globe as often, or of a part of it."""
+    """A latitude and a longitude, degrees: places of the globe, or of a part of it, with equal probability per area. A range of longitudes that
+    crosses the date line may be written as (170, -170) or (170, 190)."""
 
     lat_deg: tuple[float, float] = (-90.0, 90.0)
     lon_deg: tuple[float, float] = (-180.0, 180.0)
 
     def __post_init__(self) -> None:
         _check_range(*self.lat_deg)
-        _check_range(*self.lon_deg)
-        if not (-90 <= self.lat_deg[0] and self.lat_deg[1] <= 90 and -360 <= self.lon_deg[0] and self.lon_deg[1] <= 360):
-            raise ValueError(f"lat_deg, lon_deg: {self.lat_deg}, {self.lon_deg} are no places")
+        west, east = self.lon_deg
+        if not -90 <= self.lat_deg[0] <= self.lat_deg[1] <= 90:
+            raise ValueError(f"lat_deg: {self.lat_deg} is not a range of latitudes from -90 to 90")
+        if not (-360 <= west <= 360 and -360 <= east <= 360):
+            raise ValueError(f"lon_deg: {self.lon_deg} is not a range of longitudes from -360 to 360")
+        if west > east and not (west <= 180 and east >= -180):
+            raise ValueError(f"lon_deg: {self.lon_deg} is neither west to east nor across the date line, as (170, -170) is")
 
     def draw(self, random: np.random.Generator) -> tuple[float, float]:
         south, north = (math.sin(math.radians(lat_deg)) for lat_deg in self.lat_deg)
         sine = south + (north - south) * random.random()
         west, east = self.lon_deg
-        return math.degrees(math.asin(min(max(sine, -1.0), 1.0))), west + (east - west) * random.random()
+        crosses = west > east
+        lon_deg = west + (east + 360.0 * crosses - west) * random.random()
+        return math.degrees(math.asin(min(max(sine, -1.0), 1.0))), lon_deg - 360.0 * (crosses and lon_deg > 180)
 
 
 @dataclass(frozen=True)
