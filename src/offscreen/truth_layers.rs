@@ -108,19 +108,19 @@ pub const TRUTH_LAYERS: &[TruthLayer] = &[
     layer(
         "lit",
         "1",
-        "part of the Sun's disc above that horizon: 1 by day, 0 by night",
+        "fraction of the Sun's disc above that horizon: 1 by day, 0 by night",
         Value::Ground(|point| point.sunlit),
     ),
     layer(
         "moon_shadow",
         "1",
-        "part of the Sun's disc that the Moon hides",
+        "fraction of the Sun's disc that the Moon hides",
         Value::Ground(|point| point.moon_shadow),
     ),
     layer(
         "land",
         "1",
-        "part of the pixel that is land; NaN everywhere without a map of open water",
+        "fraction of the pixel that is land; NaN everywhere without a map of open water",
         Value::Pixel(|pixel| match (&pixel.point, pixel.has_water) {
             (Some(point), true) => point.land,
             _ => f64::NAN,
@@ -129,7 +129,7 @@ pub const TRUTH_LAYERS: &[TruthLayer] = &[
     layer(
         "cloud_cover",
         "1",
-        "cover of the clouds drawn before the pixel; 0 without clouds",
+        "cloud cover between the eye and the ground of the pixel; 0 without clouds",
         Value::Ground(|point| point.cloud_cover),
     ),
     layer(

@@ -290,7 +290,7 @@ fn of_datetime64(row: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Epoch>> {
     const END_US: i64 = 4_102_444_800_000_000;
     if let Some(n) = whole.iter().position(|us| !(FIRST_US..END_US).contains(us)) {
         let what = match whole[n] {
-            i64::MIN => "NaT is no instant".to_owned(),
+            i64::MIN => "NaT is not a time".to_owned(),
             us => format!("{us} µs after 1970 is not in the years 1900 to 2099"),
         };
         return Err(PyValueError::new_err(format!("{name}[{n}]: {what}")));

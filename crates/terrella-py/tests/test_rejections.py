@@ -87,6 +87,11 @@ def test_instants(earth, time, kind):
         earth.color(CAMERA, time)
 
 
+def test_a_time_that_is_none_is_named(earth):
+    with pytest.raises(ValueError, match="NaT is not a time"):
+        earth.color(CAMERA, np.datetime64("NaT"))
+
+
 def test_an_instant_of_a_row_is_named(root):
     catalogue = terrella.Catalogue(root / "config/orbits/iss.tle")
     with pytest.raises(ValueError, match=r"times\[1\]"):

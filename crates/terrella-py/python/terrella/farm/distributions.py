@@ -38,7 +38,7 @@ class Constant:
 
 @dataclass(frozen=True)
 class Uniform:
-    """Any number from ``least`` to ``most``, each as often."""
+    """A number from ``least`` to ``most``; all have equal probability."""
 
     least: float
     most: float
@@ -52,7 +52,7 @@ class Uniform:
 
 @dataclass(frozen=True)
 class LogUniform:
-    """Any number from ``least`` to ``most``, each decade as often: for heights."""
+    """A number from ``least`` to ``most`` whose logarithm is uniform: each decade has equal probability, as suits heights."""
 
     least: float
     most: float
@@ -78,7 +78,7 @@ class Normal:
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.mean) and 0 < self.deviation < math.inf):
-            raise ValueError(f"deviation: {self.mean} ± {self.deviation} is no Gaussian")
+            raise ValueError(f"deviation: {self.mean} ± {self.deviation} is not a Gaussian")
         if not self.least < self.most or self._part(self.most) - self._part(self.least) < 1e-9:
             raise ValueError(f"least, most: hardly any number of {self.mean} ± {self.deviation} is from {self.least} to {self.most}")
 
@@ -95,7 +95,7 @@ class Normal:
 
 @dataclass(frozen=True)
 class Choice:
-    """One of several values, each as often, or by ``weights``."""
+    """One of several values, with equal probability or by ``weights``."""
 
     values: Sequence[Any]
     weights: Sequence[float] | None = None
@@ -148,7 +148,7 @@ class OnSphere:
 
 @dataclass(frozen=True)
 class Dates:
-    """Any instant from ``first`` to ``last``, with equal probability. Both are a ``Time``, for example "2018-06-21T08:00:00Z", and kept as UTC text."""
+    """A time from ``first`` to ``last``; all have equal probability. Both are a ``Time``, for example "2018-06-21T08:00:00Z", and kept as UTC text."""
 
     first: Time
     last: Time
@@ -173,7 +173,7 @@ Drawn = Union[Distribution, Callable[["np.random.Generator"], Any], float, int, 
 
 def _check_range(least: float, most: float) -> None:
     if not (math.isfinite(least) and math.isfinite(most) and least <= most):
-        raise ValueError(f"least, most: {least} to {most} is no range of numbers")
+        raise ValueError(f"least, most: {least} to {most} is not a range of numbers")
 
 
 def as_distribution(value: Drawn, name: str) -> Any:
