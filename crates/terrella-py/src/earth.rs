@@ -23,8 +23,10 @@ use terrella_play::earth_options;
 #[pyclass(frozen, subclass, name = "Earth", module = "terrella")]
 pub struct PyEarth {
     earth: Owned<OffscreenEarth>,
+    /// Name of the graphics adapter that renders.
     #[pyo3(get)]
     adapter: String,
+    /// Width and height of the images, pixels.
     #[pyo3(get)]
     size: (u32, u32),
 }

@@ -159,6 +159,26 @@ impl PySatellites {
         self.feeds.len()
     }
 
+    fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {
+        const MOST_NAMED: usize = 3;
+        let feeds = &slf.get().feeds;
+        let mut names: Vec<_> = feeds
+            .iter()
+            .take(MOST_NAMED)
+            .map(|one| one.name())
+            .collect();
+        if feeds.len() > MOST_NAMED {
+            names.push("…");
+        }
+        let plural = if feeds.len() == 1 { "" } else { "s" };
+        Ok(format!(
+            "<terrella.{}, {} satellite{plural}: {}>",
+            slf.get_type().name()?,
+            feeds.len(),
+            names.join(", ")
+        ))
+    }
+
     /// Positions and velocities, metres and metres a second: satellites × instants × 3 each. `frame` is itrf, teme, gcrf, eme2000 or pef,
     /// and velocities are those seen in it. Times outside a satellite's validity raise, or give NaN with outside="nan".
     #[pyo3(signature = (times, frame = "itrf", *, outside = "raise"))]

@@ -35,8 +35,10 @@ pub struct PyScene {
     feeds: Vec<Arc<dyn Feed>>,
     scene: Scene,
     notices: Vec<String>,
+    /// Name of the graphics adapter that renders.
     #[pyo3(get)]
     adapter: String,
+    /// Width and height of the images, pixels.
     #[pyo3(get)]
     size: (u32, u32),
 }

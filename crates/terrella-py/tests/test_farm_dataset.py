@@ -106,6 +106,7 @@ def test_both_formats_hold_the_same_samples(swept):
             assert one[name].dtype == other[name].dtype and np.array_equal(one[name], other[name], equal_nan=True), name
     assert tar.known(-1) == tar.known(np.int64(COUNT - 1)) and np.array_equal(tar[-1]["color"], tar[COUNT - 1]["color"])
     assert [known["land"].shape for known in tar[1:4]] == [(16, 24)] * 3 and tar[5:] == []
+    assert repr(tar) == f"<terrella.farm.DataSet {swept / 'tar'}, 5 samples of 24 × 16: color, land, cloud_cover, sun_elevation_deg, range_m>"
     for wrong in (5, -6):
         with pytest.raises(IndexError, match=f"{wrong} is not from -5 to 4"):
             tar[wrong]

@@ -55,6 +55,17 @@ def test_everything_public_has_words():
                     assert (value.__doc__ or "").strip(), f"{name}.{member}"
 
 
+def test_objects_say_what_they_are(root, earth, scene):
+    assert repr(earth) == f"<terrella.Earth 256 × 144, {earth.adapter}>"
+    told = repr(scene)
+    assert told.startswith(f"<terrella.Scene {root / 'config/iss.toml'}, 256 × 144, {scene.start} to ") and ", 1 satellite, " in told, told
+    assert repr(terrella.Scene.from_dict({"camera": {"mode": "geodetic"}})).startswith("<terrella.Scene <dict>, ")
+    catalogue = terrella.Catalogue(root / "config/orbits/iss.tle")
+    assert repr(catalogue) == f"<terrella.Catalogue, 1 satellite: {catalogue.names[0]}>"
+    for kind in (terrella.Earth, terrella.Scene):
+        assert "graphics adapter" in kind.adapter.__doc__ and "pixels" in kind.size.__doc__
+
+
 def test_maps_came_with_the_package(monkeypatch):
     from terrella import _earth
 
@@ -75,8 +86,9 @@ def test_the_package_has_all_starter_maps(root):
 def test_missing_lines_and_names_are_noticed(root, tmp_path, caplog):
     tables = {"camera": {"mode": "geodetic"}, "layers": {"coast_lines": True, "place_names": True}, "output": {"size": [32, 18]}}
     assert terrella.Scene.from_dict(tables, textures=root / "textures").notices == []
-    for name in ["day.jpg", "clouds.jpg", "night_lights.png", "water.png", "stars.bin", "milky_way.jpg", "moon.jpg"]:
-        (tmp_path / name).symlink_to(root / "textures" / name)
+    for path in (root / "textures").iterdir():
+        if path.name not in ("lines.bin", "place_names.bin"):
+            (tmp_path / path.name).symlink_to(path)
     scene = terrella.Scene.from_dict(tables, textures=tmp_path)
     assert [notice.partition(":")[0] for notice in scene.notices] == ["coast_lines", "place_names"]
     assert "lines.bin" in scene.notices[0] and "place_names.bin" in scene.notices[1]

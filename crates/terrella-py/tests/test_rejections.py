@@ -137,6 +137,13 @@ def test_what_scenes_reject(scene, root, tmp_path):
         terrella.Scene(root / "config/live.toml")
 
 
+def test_a_picture_in_a_folder_that_is_missing_names_the_folder(tmp_path):
+    frame = terrella.Frame(np.zeros((4, 4, 4), np.uint8), NOON)
+    with pytest.raises(FileNotFoundError, match="path: there is no folder .*nowhere; create it first") as raised:
+        frame.save(tmp_path / "nowhere/x.png")
+    assert ".part" not in str(raised.value) and raised.value.filename == str(tmp_path / "nowhere/x.png")
+
+
 def test_packages_that_are_missing_are_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "xarray", None)
     monkeypatch.setitem(sys.modules, "jupyter_rfb", None)

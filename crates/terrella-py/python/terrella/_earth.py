@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -71,6 +72,8 @@ class Frame:
         if path.suffix.lower() != ".png":
             raise ValueError(f"path: {path} does not end in .png, the one kind of picture that is written; "
                              "other kinds: `color` is an array that any library writes")
+        if not path.parent.is_dir():
+            raise FileNotFoundError(errno.ENOENT, f"path: there is no folder {path.parent}; create it first", os.fspath(path))
         unfinished = path.with_name(path.name + f".{os.getpid()}.part")
         try:
             unfinished.write_bytes(self.png())
@@ -153,6 +156,10 @@ class Earth(_native.Earth):
         self._tables, self._folder, self._given_textures = tables, folder, textures
         self._sensor: tuple[str, Scene] | None = None
 
+    def __repr__(self) -> str:
+        width, height = self.size
+        return f"<terrella.Earth {width} × {height}, {self.adapter}>"
+
     def _scene_of(self, sensor: Mapping[str, Any]) -> Scene:
         if isinstance(sensor, Mapping) and (missing := [key for key in _SENSOR_KEYS if key not in sensor]):
             are = "is" if len(missing) == 1 else "are"
@@ -195,6 +202,8 @@ class Scene(_native.Scene):
     With automatic exposure, each image is metered separately.
     """
 
+    _path: str
+
     def __new__(
         cls,
         path: str | os.PathLike[str],
@@ -203,7 +212,9 @@ class Scene(_native.Scene):
         size: tuple[int, int] | None = None,
         adapter: str | None = None,
     ) -> Self:
-        return super().__new__(cls, path, _textures(textures), size=size, adapter=adapter)
+        made = super().__new__(cls, path, _textures(textures), size=size, adapter=adapter)
+        made._path = str(path)
+        return made
 
     @classmethod
     def from_text(
@@ -216,7 +227,9 @@ class Scene(_native.Scene):
         adapter: str | None = None,
     ) -> Self:
         """A scene of the text of such a file; ``folder`` is the one that paths in it are relative to."""
-        return super().__new__(cls, Path(folder) / "<text>", _textures(textures), text=text, size=size, adapter=adapter)
+        made = super().__new__(cls, Path(folder) / "<text>", _textures(textures), text=text, size=size, adapter=adapter)
+        made._path = "<text>"
+        return made
 
     @classmethod
     def from_dict(
@@ -231,7 +244,15 @@ class Scene(_native.Scene):
         """A scene of its tables by name, each with its keys by name: ``Scene.from_dict({"camera": {"mode": "nadir"}})``. Times may be an ``Epoch`` or
         a datetime with a time zone, paths a ``Path``. ``folder`` is the one that paths are relative to."""
         path, text = Path(folder) / "<dict>", _toml.text(tables)
-        return super().__new__(cls, path, _textures(textures), text=text, size=size, adapter=adapter)
+        made = super().__new__(cls, path, _textures(textures), text=text, size=size, adapter=adapter)
+        made._path = "<dict>"
+        return made
+
+    def __repr__(self) -> str:
+        width, height = self.size
+        count = len(self.satellites)
+        flown = f"{count} satellite{'' if count == 1 else 's'}"
+        return f"<terrella.Scene {self._path}, {width} × {height}, {self.start} to {self.end}, {flown}, {self.adapter}>"
 
     def frame(self, time: Time | datetime.timedelta | None = None, *, camera: Camera | None = None, exposure_ev: float | None = None) -> Frame:
         """The displayed image at a time, a ``Frame``. ``camera`` and ``exposure_ev`` replace those of the scene."""

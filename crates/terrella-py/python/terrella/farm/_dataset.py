@@ -58,6 +58,10 @@ class DataSet:
         count: int = self.manifest["count"]
         return count
 
+    def __repr__(self) -> str:
+        width, height = self.manifest["size"]
+        return f"<terrella.farm.DataSet {self.folder}, {len(self)} samples of {width} × {height}: color, {', '.join(self.layers)}>"
+
     @overload
     def __getitem__(self, index: SupportsIndex) -> dict[str, NDArray[Any]]: ...
     @overload
