@@ -55,8 +55,8 @@ def test_a_sun_that_never_stands_so_high_is_an_error(swept, tmp_path):
         farm.sweep(swept / "scene.toml", tmp_path / "out", **{**CHOSEN, "place": (80.0, 0.0), "sun_elevation_deg": 60.0})
 
 
-@pytest.mark.parametrize("wanted", [120, -90.5, float("nan"), farm.Uniform(100, 200), farm.Uniform(80, 91), farm.LogUniform(10, 100), farm.Choice([10.0, 95.0]),
-                                    farm.Normal(40, 20), farm.Normal(40, 20, -90, 100), pytest.param(farm.distributions.Constant(-100), id="constant")])
+@pytest.mark.parametrize("wanted", [120, -90.5, float("nan"), farm.Uniform(100, 200), farm.Uniform(80, 91),
+                                    farm.LogUniform(10, 100), farm.Choice([10.0, 95.0]), farm.Normal(40, 20), farm.Normal(40, 20, -90, 100), pytest.param(farm.distributions.Constant(-100), id="constant")])
 def test_a_sun_beyond_the_zenith_is_an_error(swept, tmp_path, wanted):
     with pytest.raises(ValueError, match="sun_elevation_deg: .* is not from -90 to 90"):
         farm.sweep(swept / "scene.toml", tmp_path / "out", **{**CHOSEN, "sun_elevation_deg": wanted})

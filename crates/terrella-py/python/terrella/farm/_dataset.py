@@ -36,7 +36,9 @@ class DataSet:
     >>> sample = data[0]
     >>> sample["color"].shape, sample["range_m"].dtype, data.known(0)["time_utc"]
 
-    Negative numbers count from the end, and a slice gives a list. A sample is a dict of arrays: ``color``, height × width × 3 bytes, and each layer. PyTorch's ``DataLoader`` takes it as it is, with any number of
+    Negative numbers count from the end, and a slice gives a list.
+
+    A sample is a dict of arrays: ``color``, height × width × 3 bytes, and each layer. PyTorch's ``DataLoader`` takes it as it is, with any number of
     workers. Pictures of WebDataset shards need Pillow.
     """
 

@@ -69,8 +69,8 @@ def sweep(
 
     `place` gives a latitude and a longitude, `height_m` metres above the ellipsoid, `heading_deg` degrees clockwise from north, `pitch_deg`
     degrees above the horizontal, `fov_deg` the vertical field of view, `time` a time (by default any of the scene's), `exposure_ev` exposure
-    values (by default the scene's exposure, fixed at 0.5 unless it sets another; null in samples of a scene with automatic exposure). `sun_elevation_deg` moves each time, by half a day at most, to when the Sun stands so high over the
-    ground in the middle of the image. Each is a distribution of `terrella.farm`, a value, or a function of a
+    values (by default the scene's exposure, 0.5 unless it sets another; samples record null where it is automatic). `sun_elevation_deg` moves each
+    time, by half a day at most, to when the Sun has this elevation, from -90 to 90, over the ground in the middle of the image. Each is a distribution of `terrella.farm`, a value, or a function of a
     `numpy.random.Generator`; `draw` is a function of a generator and the sample's number that returns several of them by name. Functions
     must be defined in a module that workers can import. `layers` are names of `terrella.truth_layers()`.
 
