@@ -409,7 +409,7 @@ fn a_films_light_size_and_encoder_are_told_before_and_its_files_after() {
         "images: in dark, PNG",
         "light: the satellite is in the Earth's shadow all the time, in sunlight from 2018-03-20T16:3",
         "light: the ground below is in night all the time, in daylight from 2018-03-20T16:38:",
-        "light: --start 2018-03-20T16:38:",
+        "light: the film begins in the dark; --start 2018-03-20T16:38:",
         "2 images",
     ] {
         assert!(said.contains(word), "no {word}: {said}");

@@ -189,7 +189,14 @@ fn truth_that_cannot_be_written_is_rejected_before_drawing() {
         assert!(words.contains("--truth"), "{words}");
     }
     // A picture that cannot be written takes the folder of its truth with it.
-    let arguments = ["frame", "small.toml", "-o", "no/a.png", "--truth", "truth"];
+    let arguments = [
+        "frame",
+        "small.toml",
+        "-o",
+        "small.toml/a.png",
+        "--truth",
+        "truth",
+    ];
     place.fail(1, &arguments);
     let arguments = [
         "frame",
