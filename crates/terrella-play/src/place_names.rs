@@ -33,7 +33,10 @@ fn file(scene: &Scene) -> Result<PathBuf, String> {
 /// All cities of the starter pack, the most important first; none if the file is missing or corrupt.
 #[cfg(feature = "window")]
 pub(super) fn shipped_names() -> Vec<NamedPlace> {
-    let read = file().and_then(|path| read_place_names(&path).map_err(|error| error.to_string()));
+    let folder = find_textures().map_err(|error| error.to_string());
+    let read = folder.and_then(|folder| {
+        read_place_names(&folder.join(PLACE_NAMES)).map_err(|error| error.to_string())
+    });
     read.unwrap_or_else(|error| {
         tracing::warn!("places cannot be chosen by name: {error}");
         Vec::new()
