@@ -174,12 +174,18 @@ impl SceneText<'_> {
             ),
             None if is_table => (
                 self.place(offset, word, ""),
-                match table_meant(word).or_else(|| nearest(word, tables)) {
-                    Some(near) if is_list => {
-                        format!("unknown table; did you mean [[{near}]]? {LISTED}")
+                match (table_meant(word), nearest(word, tables)) {
+                    (Some(meant), _) if is_list => {
+                        format!("unknown table; did you mean [[{meant}]]? {LISTED}")
                     }
-                    Some(near) => format!("unknown table; did you mean [{near}]? {LISTED}"),
-                    None => format!("unknown table; a scene has {all}"),
+                    (Some(meant), _) => {
+                        format!("unknown table; did you mean [{meant}]? {LISTED}")
+                    }
+                    // The nearest name may be far off.
+                    (None, Some(near)) => {
+                        format!("unknown table; did you mean [{near}]? A scene has {all}")
+                    }
+                    (None, None) => format!("unknown table; a scene has {all}"),
                 },
             ),
             None => {
@@ -217,10 +223,16 @@ impl SceneText<'_> {
         let meant = key_meant(table.name, word);
         // A synonym for a key of this table is not redirected to another table.
         let home = home.filter(|_| meant.is_none_or(|(of, _)| of != table.name));
+        let alike = nearest(word, keys.clone());
+        let begun = alike.filter(|key| key.starts_with(word));
         let near = match meant {
             Some((of, key)) if of == table.name => Some(key.to_owned()),
-            Some((of, key)) => Some(format!("{key} in [{of}]")),
-            None => nearest(word, keys.clone()).map(str::to_owned),
+            // A key of this table that begins so is likelier than a meaning elsewhere.
+            Some((of, key)) => begun.map_or_else(
+                || Some(format!("{key} in [{of}]")),
+                |key| Some(key.to_owned()),
+            ),
+            None => alike.map(str::to_owned),
         };
         let not_drawn = NOT_DRAWN
             .iter()
