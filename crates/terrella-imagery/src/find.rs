@@ -3,6 +3,10 @@
 use super::error::ImageryError;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use terrella_files::read_text;
+
+/// Largest table of mapped files that is read, bytes.
+const MAX_TABLE_BYTES: u64 = 16 << 20;
 
 /// Names the folder of maps; comes before every other place.
 pub const TEXTURES_VARIABLE: &str = "TERRELLA_TEXTURES";
@@ -32,7 +36,7 @@ fn this_library() -> Option<PathBuf> {
         return None;
     }
     let address = this_library as *const () as usize;
-    let table = std::fs::read_to_string("/proc/self/maps").ok()?;
+    let table = read_text(Path::new("/proc/self/maps"), MAX_TABLE_BYTES).ok()??;
     // "55d0c8a00000-55d0c8a21000 r-xp 00000000 08:02 173521      /usr/lib/libterrella_c.so"
     table.lines().find_map(|line| {
         let (first, last) = line.split_once(' ')?.0.split_once('-')?;
