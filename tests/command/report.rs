@@ -29,6 +29,7 @@ fn rows(folder: &Path) -> Vec<Vec<String>> {
 }
 
 #[test]
+#[ignore = "a whole report; run by `.ci/run --always`, or by hand"]
 fn a_report_has_its_table_charts_pictures_and_page() {
     let place = Place::new();
     let output = place.succeed(&[
@@ -285,6 +286,7 @@ fn number(row: &HashMap<String, String>, column: &str) -> f64 {
 }
 
 #[test]
+#[ignore = "a whole report; run by `.ci/run --always`, or by hand"]
 fn surfaces_are_compared() {
     let place = Place::new();
     let of_all = [
