@@ -214,13 +214,13 @@ def test_changed_maps_are_named(swept, tmp_path):
     shutil.copytree(os.environ["TERRELLA_TEXTURES"], maps)
     one = {**CHOSEN, "count": 1, "workers": 1, "textures": maps}
     farm.sweep(scene, tmp_path / "out", **one)
-    shutil.copy(maps / "water.png", maps / "clouds.png")
-    (maps / "clouds.jpg").unlink()
+    # Small maps are PNG.
+    clouds, day = (next(path for path in maps.iterdir() if path.stem == name) for name in ("clouds", "day"))
+    clouds.unlink()
     with pytest.raises(farm.FarmError, match="holds another sweep: the scene reads other files; choose"):
         farm.sweep(scene, tmp_path / "out", **one)
-    (maps / "clouds.png").unlink()
-    shutil.copy(maps / "day.jpg", maps / "clouds.jpg")
-    with pytest.raises(farm.FarmError, match="holds another sweep: the maps have changed \\(clouds.jpg\\); choose"):
+    shutil.copy(day, clouds)
+    with pytest.raises(farm.FarmError, match=f"holds another sweep: the maps have changed \\({clouds.name}\\); choose"):
         farm.sweep(scene, tmp_path / "out", **one)
 
 
