@@ -145,6 +145,8 @@ fn a_text_that_cannot_be_read_stays_after_a_click_elsewhere() {
     fields.lay_out(vec![Event::Text("95, 15".to_owned())]);
     assert_eq!(fields.click(Pos2::new(700.0, 350.0)), []);
     fields.lay_out(Vec::new());
+    // A message is invisible while its size is found out.
+    fields.lay_out(Vec::new());
     let is_shown = fields.shows("95, 15") && fields.shows("latitude, longitude in degrees");
     assert!(is_shown, "{:?}", fields.texts);
     // A place from elsewhere takes its place.
