@@ -242,7 +242,7 @@ fn a_legend_has_its_classes_on_its_plate() {
 fn a_caption_appears_fades_and_disappears() {
     let text = |keys: &str| format!("[[caption]]\ntext = \"a\"\n{keys}");
     let times = |keys: &str| scene(&text(keys)).captions[0].times;
-    let faded = times("from_s = 10\nuntil_s = 20\nfade_s = 2");
+    let faded = times("start_s = 10\nuntil_s = 20\nfade_s = 2");
     let expected = [
         (9.99, 0.0),
         (10.0, 0.0),
@@ -254,7 +254,7 @@ fn a_caption_appears_fades_and_disappears() {
         assert_eq!(faded.opacity(time_s), opacity, "{time_s}");
     }
     assert_eq!((faded.opacity(19.0), faded.opacity(20.0)), (0.5, 0.0));
-    let hard = times("from_s = 10");
+    let hard = times("start_s = 10");
     assert_eq!((hard.opacity(9.99), hard.opacity(10.0)), (0.0, 1.0));
     assert_eq!(hard.opacity(1e9), 1.0);
     assert_eq!(times(""), CaptionTimes::ALWAYS);
@@ -262,8 +262,8 @@ fn a_caption_appears_fades_and_disappears() {
         let read = Scene::from_toml(&text(keys), Path::new("test.toml"));
         read.expect_err("rejected").to_string()
     };
-    let said = rejected("from_s = 5\nuntil_s = 5");
-    assert!(said.contains("must be more than from_s, 5"), "{said}");
+    let said = rejected("start_s = 5\nuntil_s = 5");
+    assert!(said.contains("must be more than start_s, 5"), "{said}");
     let said = rejected("fade_s = 5");
-    assert!(said.contains("needs from_s or until_s"), "{said}");
+    assert!(said.contains("needs start_s or end_s"), "{said}");
 }

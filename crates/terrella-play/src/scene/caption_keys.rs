@@ -43,9 +43,9 @@ table!(RawCaption = "caption" {
     /// Width of the image. By default its own.
     width_px: f64, of "pixels", in WIDTH_PX, for IMAGE;
     /// When it appears, in simulated seconds after the scene's start. By default it is there from the start.
-    from_s: f64, of "seconds after the scene's start", in TIME_S;
+    start_s: f64, of "seconds after the scene's start", in TIME_S;
     /// When it disappears. By default it stays.
-    until_s: f64, of "seconds after the scene's start", in TIME_S;
-    /// How long it fades in after from_s, and out before until_s, in simulated seconds.
+    end_s: f64, of "seconds after the scene's start", in TIME_S;
+    /// How long it fades in after start_s, and out before end_s, in simulated seconds.
     fade_s: f64, of "seconds", in 0.0..=1e9, default 0.0;
 });

@@ -33,9 +33,9 @@ pub struct CaptionTable {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CaptionTimes {
     /// It appears; −∞ without a beginning.
-    pub from_s: f64,
+    pub start_s: f64,
     /// It disappears; ∞ without an end.
-    pub until_s: f64,
+    pub end_s: f64,
     /// How long it fades in and out, seconds.
     pub fade_s: f64,
 }
@@ -43,20 +43,20 @@ pub struct CaptionTimes {
 impl CaptionTimes {
     /// Without beginning and end.
     pub const ALWAYS: Self = Self {
-        from_s: f64::NEG_INFINITY,
-        until_s: f64::INFINITY,
+        start_s: f64::NEG_INFINITY,
+        end_s: f64::INFINITY,
         fade_s: 0.0,
     };
 
     /// The opacity at a time, 0…1.
     pub fn opacity(&self, time_s: f64) -> f64 {
-        if time_s < self.from_s || time_s >= self.until_s {
+        if time_s < self.start_s || time_s >= self.end_s {
             return 0.0;
         }
         if self.fade_s == 0.0 {
             return 1.0;
         }
-        let inside_s = (time_s - self.from_s).min(self.until_s - time_s);
+        let inside_s = (time_s - self.start_s).min(self.end_s - time_s);
         let t = (inside_s / self.fade_s).min(1.0);
         t * t * (3.0 - 2.0 * t)
     }
@@ -244,18 +244,18 @@ impl SceneText<'_> {
     }
 
     fn caption_times(&self, raw: &RawCaption) -> Result<CaptionTimes, SceneError> {
-        let (from, until, fade) = (raw.from_s(), raw.until_s(), raw.fade_s());
+        let (from, until, fade) = (raw.start_s(), raw.end_s(), raw.fade_s());
         let mut times = CaptionTimes::ALWAYS;
         match from.is_given() {
-            true => times.from_s = self.quantity_or(&from, 0.0)?,
+            true => times.start_s = self.quantity_or(&from, 0.0)?,
             false => from.note(Ok("the start".to_owned())),
         }
         match until.is_given() {
-            true => times.until_s = self.quantity_or(&until, 0.0)?,
+            true => times.end_s = self.quantity_or(&until, 0.0)?,
             false => until.note(Ok("the end".to_owned())),
         }
-        if times.until_s <= times.from_s {
-            let advice = format!("must be more than from_s, {}", times.from_s);
+        if times.end_s <= times.start_s {
+            let advice = format!("must be more than start_s, {}", times.start_s);
             return Err(self.reject(&until, advice));
         }
         times.fade_s = self.quantity(&fade)?;
@@ -267,7 +267,7 @@ impl SceneText<'_> {
                 })
         {
             let advice =
-                "needs from_s or until_s: a caption without them neither appears nor disappears";
+                "needs start_s or end_s: a caption without them neither appears nor disappears";
             return Err(self.reject(&fade, advice));
         }
         Ok(times)
