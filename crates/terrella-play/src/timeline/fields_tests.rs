@@ -38,7 +38,8 @@ impl Fields {
     fn lay_out(&mut self, events: Vec<Event>) -> Vec<Action> {
         let input = RawInput {
             screen_rect: Some(Rect::from_min_size(Pos2::ZERO, Vec2::new(900.0, 400.0))),
-            time: Some(f64::from(self.frame)),
+            // Pressed for a second, a button is not clicked.
+            time: Some(0.1 * f64::from(self.frame)),
             events,
             ..RawInput::default()
         };
