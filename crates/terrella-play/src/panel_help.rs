@@ -137,7 +137,7 @@ pub fn show(context: &Context, covered: [f32; 2], actions: &mut Vec<Action>) {
         _ => Vec2::ZERO,
     };
     let (mut is_open, mut is_beside) = (true, false);
-    egui::Window::new("Keys: Esc, H or the cross closes this help")
+    egui::Window::new("Keys")
         .open(&mut is_open)
         .order(egui::Order::Foreground)
         .anchor(Align2::CENTER_CENTER, offset)
@@ -153,6 +153,7 @@ pub fn show(context: &Context, covered: [f32; 2], actions: &mut Vec<Action>) {
             ScrollArea::vertical()
                 .max_height(whole.y)
                 .show(ui, |ui| columns.show(ui));
+            ui.label("Esc, H or the cross closes this help.");
         });
     context.data_mut(|data| data.insert_temp(id, is_beside));
     if !is_open {
