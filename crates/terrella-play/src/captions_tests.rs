@@ -242,7 +242,7 @@ fn a_legend_has_its_classes_on_its_plate() {
 fn a_caption_appears_fades_and_disappears() {
     let text = |keys: &str| format!("[[caption]]\ntext = \"a\"\n{keys}");
     let times = |keys: &str| scene(&text(keys)).captions[0].times;
-    let faded = times("start_s = 10\nuntil_s = 20\nfade_s = 2");
+    let faded = times("start_s = 10\nend_s = 20\nfade_s = 2");
     let expected = [
         (9.99, 0.0),
         (10.0, 0.0),
@@ -262,7 +262,7 @@ fn a_caption_appears_fades_and_disappears() {
         let read = Scene::from_toml(&text(keys), Path::new("test.toml"));
         read.expect_err("rejected").to_string()
     };
-    let said = rejected("start_s = 5\nuntil_s = 5");
+    let said = rejected("start_s = 5\nend_s = 5");
     assert!(said.contains("must be more than start_s, 5"), "{said}");
     let said = rejected("fade_s = 5");
     assert!(said.contains("needs start_s or end_s"), "{said}");
