@@ -13,6 +13,7 @@ mod layout;
 mod lean;
 mod machine;
 mod numbers;
+mod peers;
 mod pictures;
 mod place_names;
 mod places;
@@ -131,6 +132,15 @@ enum Command {
         #[arg(value_name = "NAME")]
         names: Vec<String>,
     },
+    /// Time frames beside those of VTK and pygfx, which are installed into target/peers; `numbers --measure peers` records the result.
+    Peers {
+        /// Rounds at each height, in which each renderer draws once.
+        #[arg(long, default_value_t = 16, value_name = "N", value_parser = clap::value_parser!(u32).range(2..))]
+        rounds: u32,
+        /// Install this wheel of the Python package instead of building it.
+        #[arg(long, value_name = "FILE")]
+        wheel: Option<PathBuf>,
+    },
     /// Send 100 000 packets to a live feed, one in twenty of them corrupt: memory and answers.
     Soak,
     /// Run the bodies of the fuzz targets for some time each, without a nightly compiler; rows for fuzz/RESULTS.md.
@@ -228,6 +238,7 @@ fn run(command: Command) -> anyhow::Result<()> {
             only_sources,
         } => big_pack::run(&data, &out, only_sources),
         Command::Numbers { measure } => numbers::run(measure.as_deref()),
+        Command::Peers { rounds, wheel } => peers::run(rounds, wheel),
         Command::Soak => by_hand::soak(),
         Command::Fuzz {
             seconds,

@@ -18,6 +18,7 @@ mod markdown;
 mod markers;
 mod measure;
 mod orbits;
+mod peers;
 mod printed;
 mod record;
 mod recordings;

@@ -227,6 +227,19 @@ pub const RECORDINGS: &[Recording] = &[
             }]),
         },
     },
+    Recording {
+        name: "peers",
+        file: "peers.csv",
+        source: Source::Measured {
+            method: "1280 × 720 without multisampling, straight down with a field of view of 45°; 8 frames a turn as a satellite moves, \
+                ended by reading all pixels back; the renderers draw by turns; medians of 16 rounds, quartiles of the ratio",
+            draws: true,
+            found: Found::Printed {
+                command: "cargo xtask peers",
+                what: Printed::Csv,
+            },
+        },
+    },
     kept(
         "report_defaults",
         "report_defaults.csv",

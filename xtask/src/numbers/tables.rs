@@ -2,7 +2,7 @@
 
 use super::markdown::{as_recorded, whereabouts};
 use super::record::Recorded;
-use super::{air, bench, orbits, report, stability, surfaces, terrain};
+use super::{air, bench, orbits, peers, report, stability, surfaces, terrain};
 
 /// A generated text between markers.
 pub struct Table {
@@ -85,6 +85,9 @@ pub const TABLES: &[Table] = &[
     table("surfaces_run", "surfaces", whereabouts),
     table("farm", "farm", as_recorded),
     table("farm_growth", "farm_growth", as_recorded),
+    table("peers", "peers", peers::heights),
+    table("peers_ratios", "peers", peers::ratios),
+    table("peers_run", "peers", whereabouts),
     table("streaming", "streaming", as_recorded),
     table("sky_places", "sky_places", as_recorded),
     table("light_costs", "light_costs", as_recorded),
