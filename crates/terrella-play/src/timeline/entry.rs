@@ -1,6 +1,6 @@
 //! Dates and places as people type them, and what is expected where a text is neither.
 
-use terrella::frames::{Epoch, utc_from_rfc3339};
+use terrella::frames::{Epoch, utc_from_text};
 use terrella::tracks::NamedPlace;
 
 /// Most names that a message lists.
@@ -11,18 +11,7 @@ const EXPECTED_PLACE: &str =
 
 /// A date, or the message that says what is expected.
 pub fn date_of(text: &str) -> Result<Epoch, String> {
-    read_date(text).ok_or_else(|| EXPECTED_DATE.to_owned())
-}
-
-/// A date and time of UTC as people write it; without a time, midnight.
-pub fn read_date(text: &str) -> Option<Epoch> {
-    let text = text.trim().trim_end_matches(['Z', 'z']).replace(' ', "T");
-    let whole = match text.len() {
-        10 => format!("{text}T00:00:00Z"),
-        16 => format!("{text}:00Z"),
-        _ => format!("{text}Z"),
-    };
-    utc_from_rfc3339(&whole).ok()
+    utc_from_text(text.trim()).map_err(|_| EXPECTED_DATE.to_owned())
 }
 
 /// Latitude and longitude in degrees of numbers or of a city's name, or the message that says what is expected. `cities` has the most

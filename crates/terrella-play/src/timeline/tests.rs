@@ -1,6 +1,6 @@
 //! Behaviour of the time line, without a window.
 
-use super::entry::{place_of, read_date, read_place};
+use super::entry::{date_of, place_of, read_place};
 use super::*;
 use crate::clock::AtEnd;
 use crate::scene::Scene;
@@ -270,13 +270,13 @@ fn dates_are_read_with_and_without_a_time() {
         " 2018-01-20 06:05 ",
         "2018-01-20 06:05:00",
     ] {
-        assert_eq!(read_date(text), Some(whole), "{text}");
+        assert_eq!(date_of(text), Ok(whole), "{text}");
     }
     assert_eq!(
-        read_date("2018-01-20"),
+        date_of("2018-01-20").ok(),
         Some(instant("2018-01-20T00:00:00Z"))
     );
     for bad in ["", "06:05", "2018-13-01", "2018-01-20 25:00", "tomorrow"] {
-        assert_eq!(read_date(bad), None, "{bad}");
+        assert_eq!(date_of(bad).ok(), None, "{bad}");
     }
 }
