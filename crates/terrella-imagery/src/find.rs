@@ -21,13 +21,11 @@ pub const TEXTURES_VARIABLE: &str = "TERRELLA_TEXTURES";
 /// [`ImageryError::FolderMissing`] if the variable is set but names no folder: a wrong setting must not be skipped
 /// in silence. [`ImageryError::NotFound`] lists the places looked at.
 pub fn find_textures() -> Result<PathBuf, ImageryError> {
-    let programs = [std::env::current_exe().ok(), this_library()];
-    let folders = programs.iter().flatten().filter_map(|path| path.parent());
-    find_in(
-        std::env::var_os(TEXTURES_VARIABLE),
-        &Vec::from_iter(folders),
-        shipped(),
-    )
+    let programs: [fn() -> Option<PathBuf>; 2] = [|| std::env::current_exe().ok(), this_library];
+    // The library is searched only where the executable has no maps.
+    let programs = programs.into_iter().filter_map(|program| program());
+    let folders = programs.filter_map(|program| program.parent().map(Path::to_path_buf));
+    find_in(std::env::var_os(TEXTURES_VARIABLE), folders, shipped())
 }
 
 /// The file that this code was loaded from: the executable, or a shared library. The system's table of mapped files has it.
@@ -58,7 +56,7 @@ fn shipped() -> Option<&'static Path> {
 
 fn find_in(
     variable: Option<OsString>,
-    beside: &[&Path],
+    beside: impl IntoIterator<Item = PathBuf>,
     shipped: Option<&Path>,
 ) -> Result<PathBuf, ImageryError> {
     if let Some(value) = variable {
@@ -69,23 +67,28 @@ fn find_in(
             Err(ImageryError::FolderMissing { path })
         };
     }
+    let beside = beside.into_iter().flat_map(|folder| {
+        [
+            folder.join("textures"),
+            folder.join("../share/terrella/textures"),
+        ]
+    });
     let mut looked = Vec::new();
-    for folder in beside {
-        looked.push(folder.join("textures"));
-        looked.push(folder.join("../share/terrella/textures"));
+    for folder in beside.chain(shipped.map(Path::to_path_buf)) {
+        if has_day_map(&folder) {
+            return Ok(folder);
+        }
+        // An executable is found twice.
+        if !looked.contains(&folder) {
+            looked.push(folder);
+        }
     }
-    looked.extend(shipped.map(Path::to_path_buf));
-    // An executable is found twice.
-    let mut seen = std::collections::HashSet::new();
-    looked.retain(|folder| seen.insert(folder.clone()));
-    match looked.iter().find(|dir| {
-        super::load::DAY_NAMES
-            .iter()
-            .any(|name| dir.join(name).is_file())
-    }) {
-        Some(dir) => Ok(dir.clone()),
-        None => Err(ImageryError::NotFound { looked }),
-    }
+    Err(ImageryError::NotFound { looked })
+}
+
+fn has_day_map(folder: &Path) -> bool {
+    let mut names = super::load::DAY_NAMES.iter();
+    names.any(|name| folder.join(name).is_file())
 }
 
 #[cfg(test)]
@@ -113,36 +116,36 @@ mod tests {
         let (bin, shipped) = (root.path().join("bin"), root.path().join("maps"));
         std::fs::create_dir_all(bin.join("textures")).expect("temporary folder");
 
-        match find_in(None, &[&bin], Some(&shipped)) {
+        match find_in(None, [bin.clone()], Some(&shipped)) {
             Err(ImageryError::NotFound { looked }) => assert_eq!(looked.len(), 3),
             other => panic!("{other:?}"),
         }
-        match find_in(None, &[&bin], None) {
+        match find_in(None, [bin.clone()], None) {
             Err(ImageryError::NotFound { looked }) => assert_eq!(looked.len(), 2),
             other => panic!("{other:?}"),
         }
         let source = pack(shipped.clone());
         // The empty folder beside the executable does not count.
         assert_eq!(
-            find_in(None, &[&bin], Some(&shipped)).expect("found"),
+            find_in(None, [bin.clone()], Some(&shipped)).expect("found"),
             source
         );
         let share = pack(root.path().join("share/terrella/textures"));
-        let found = find_in(None, &[&bin], Some(&shipped)).expect("found");
+        let found = find_in(None, [bin.clone()], Some(&shipped)).expect("found");
         assert_eq!(
             found.canonicalize().expect("exists"),
             share.canonicalize().expect("exists")
         );
         let beside = pack(bin.join("textures"));
         assert_eq!(
-            find_in(None, &[&bin], Some(&shipped)).expect("found"),
+            find_in(None, [bin.clone()], Some(&shipped)).expect("found"),
             beside
         );
         let own = root.path().join("own");
         std::fs::create_dir_all(&own).expect("temporary folder");
         let variable = Some(own.clone().into_os_string());
         assert_eq!(
-            find_in(variable, &[&bin], Some(&shipped)).expect("found"),
+            find_in(variable, [bin.clone()], Some(&shipped)).expect("found"),
             own
         );
     }
@@ -153,7 +156,7 @@ mod tests {
         pack(root.path().join("textures"));
         let wrong = root.path().join("nowhere");
         let error =
-            find_in(Some(wrong.into_os_string()), &[], Some(root.path())).expect_err("wrong");
+            find_in(Some(wrong.into_os_string()), [], Some(root.path())).expect_err("wrong");
         assert!(matches!(error, ImageryError::FolderMissing { .. }));
         let text = error.to_string();
         assert!(
