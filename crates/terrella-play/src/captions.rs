@@ -155,9 +155,8 @@ impl CaptionLayer {
             place: satellite.map_or(stats.eye, |satellite| satellite.place),
             speed_m_s: satellite.map(|satellite| satellite.speed_m_s),
         };
-        let time_s = (state.epoch - state.start).to_seconds() + ROUNDING_S;
         for caption in &mut self.captions {
-            caption.opacity = caption.times.opacity(time_s);
+            caption.opacity = caption.times.opacity(state.elapsed_s());
             if let Shown::Text { parts, text, .. } = &mut caption.shown {
                 text.clear();
                 for part in parts {
@@ -214,6 +213,11 @@ impl Caption {
 }
 
 impl CaptionState<'_> {
+    /// Since the scene's start.
+    fn elapsed_s(&self) -> f64 {
+        (self.epoch - self.start).to_seconds() + ROUNDING_S
+    }
+
     /// Adds a value to a text.
     fn write(&self, value: CaptionValue, text: &mut String) {
         // 2018-01-15T12:00:00.000.
@@ -232,8 +236,7 @@ impl CaptionState<'_> {
             CaptionValue::Date => write!(text, "{}", date(&utc())),
             CaptionValue::Clock => write!(text, "{}", clock(&utc())),
             CaptionValue::Elapsed => {
-                let elapsed_s = (self.epoch - self.start).to_seconds() + ROUNDING_S;
-                write!(text, "{}", duration_text(elapsed_s))
+                write!(text, "{}", duration_text(self.elapsed_s()))
             }
             CaptionValue::Satellite => write!(text, "{}", self.satellite.unwrap_or(UNKNOWN)),
             CaptionValue::Lat => write!(text, "{}", degrees(self.place.lat_rad, ["N", "S"])),

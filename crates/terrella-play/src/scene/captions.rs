@@ -259,13 +259,7 @@ impl SceneText<'_> {
             return Err(self.reject(&until, advice));
         }
         times.fade_s = self.quantity(&fade)?;
-        if times.fade_s > 0.0
-            && times
-                == (CaptionTimes {
-                    fade_s: times.fade_s,
-                    ..CaptionTimes::ALWAYS
-                })
-        {
+        if times.fade_s > 0.0 && !from.is_given() && !until.is_given() {
             let advice =
                 "needs start_s or end_s: a caption without them neither appears nor disappears";
             return Err(self.reject(&fade, advice));
