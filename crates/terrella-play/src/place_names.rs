@@ -3,7 +3,7 @@
 use super::error::PlayError;
 use super::maps::DroppedLayer;
 use crate::scene::Scene;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use terrella::tracks::{NamedPlace, read_place_names};
 use terrella_imagery::find_textures;
 
@@ -14,7 +14,9 @@ const LAYER: &str = "place_names";
 
 /// The file that [`place_names`] reads, if it is there.
 pub(super) fn place_name_files(scene: &Scene) -> Vec<PathBuf> {
-    let file = scene.layers.place_names.and_then(|_| file(scene).ok());
+    let is_wanted = scene.layers.place_names.is_some();
+    let folder = starter_folder(scene).ok().filter(|_| is_wanted);
+    let file = folder.map(|folder| folder.join(PLACE_NAMES));
     file.filter(|path| path.exists()).into_iter().collect()
 }
 
@@ -26,21 +28,21 @@ pub(super) fn starter_folder(scene: &Scene) -> Result<PathBuf, String> {
     }
 }
 
-fn file(scene: &Scene) -> Result<PathBuf, String> {
-    Ok(starter_folder(scene)?.join(PLACE_NAMES))
+/// The names in a folder of the starter pack.
+fn names_in(folder: &Path) -> Result<Vec<NamedPlace>, String> {
+    read_place_names(&folder.join(PLACE_NAMES)).map_err(|error| error.to_string())
 }
 
 /// All cities of the starter pack, the most important first; none if the file is missing or corrupt.
 #[cfg(feature = "window")]
 pub(super) fn shipped_names() -> Vec<NamedPlace> {
     let folder = find_textures().map_err(|error| error.to_string());
-    let read = folder.and_then(|folder| {
-        read_place_names(&folder.join(PLACE_NAMES)).map_err(|error| error.to_string())
-    });
-    read.unwrap_or_else(|error| {
-        tracing::warn!("places cannot be chosen by name: {error}");
-        Vec::new()
-    })
+    folder
+        .and_then(|folder| names_in(&folder))
+        .unwrap_or_else(|error| {
+            tracing::warn!("places cannot be chosen by name: {error}");
+            Vec::new()
+        })
 }
 
 /// The places that a scene may label, the most important first, and a report if they are missing.
@@ -53,9 +55,7 @@ pub(super) fn place_names(
     if scene.layers.place_names.is_none() {
         return Ok((Vec::new(), None));
     }
-    let read =
-        file(scene).and_then(|path| read_place_names(&path).map_err(|error| error.to_string()));
-    match read {
+    match starter_folder(scene).and_then(|folder| names_in(&folder)) {
         Ok(places) => Ok((places, None)),
         Err(missing) if scene.earth.strict => Err(PlayError::MissingLayer {
             scene: scene.path.clone(),
