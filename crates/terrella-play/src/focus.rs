@@ -1,6 +1,6 @@
 //! Which keys are typed into a text field, and which are keys of the window.
 
-use egui::{Context, Event, Key};
+use egui::{Context, Event, Key, Response};
 
 /// Whether these events can move the focus to a text field or away from it. A later key belongs to the window or to a field only once
 /// they are laid out.
@@ -25,6 +25,11 @@ fn moves_focus(key: Key) -> bool {
 /// Whether keys are typed into a text field.
 pub fn is_typing(context: &Context) -> bool {
     context.text_edit_focused()
+}
+
+/// Keys go to this dialog, and to nothing below it.
+pub fn take_keys(context: &Context, dialog: &Response) {
+    context.memory_mut(|memory| memory.set_modal_layer(dialog.layer_id));
 }
 
 #[cfg(test)]

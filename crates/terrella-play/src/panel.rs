@@ -3,6 +3,7 @@
 use super::clock::{FASTEST, SLOWEST};
 use super::controls::Controls;
 use super::flight::Moment;
+use super::focus::take_keys;
 use super::hand::FreeEye;
 use super::icons::{Icon, icon_button};
 use super::keys::{Action, tooltip};
@@ -223,8 +224,7 @@ fn ask_to_close(context: &Context, actions: &mut Vec<Action>) {
             });
         });
     if let Some(question) = question {
-        // Everything below takes no keys.
-        context.memory_mut(|memory| memory.set_modal_layer(question.response.layer_id));
+        take_keys(context, &question.response);
     }
 }
 

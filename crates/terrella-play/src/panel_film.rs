@@ -2,6 +2,7 @@
 
 use super::controls::Controls;
 use super::film_plan::FilmPlan;
+use super::focus::take_keys;
 use super::keys::Action;
 use egui::{Align2, Context, RichText, Vec2};
 
@@ -47,8 +48,7 @@ pub fn show(context: &Context, controls: &Controls, actions: &mut Vec<Action>) {
             });
         });
     if let Some(dialog) = dialog {
-        // Everything below takes no keys.
-        context.memory_mut(|memory| memory.set_modal_layer(dialog.response.layer_id));
+        take_keys(context, &dialog.response);
     }
     if !is_open {
         actions.push(Action::Film);
