@@ -133,8 +133,8 @@ impl SceneText<'_> {
             return Err(self.reject(&size_field, advice));
         };
         size_field.note(Ok(format!("[{width}, {height}]")));
-        let focal_length_mm = self.needed(&raw.focal_length_mm())?;
-        let pixel_pitch_um = self.needed(&raw.pixel_pitch_um())?;
+        let focal_length_mm = self.needed(raw, &raw.focal_length_mm())?;
+        let pixel_pitch_um = self.needed(raw, &raw.pixel_pitch_um())?;
         let principal = self.numbers(
             &raw.principal_point_px(),
             &[2],
@@ -204,8 +204,8 @@ impl SceneText<'_> {
         let texts = bands_nm.map(|[from, to]| format!("[{from}, {to}]"));
         bands.note(Ok(format!("[{}]", texts.join(", "))));
         Ok(Radiometry {
-            f_number: self.needed(&raw.f_number())?,
-            exposure_s: self.needed(&raw.exposure_s())?,
+            f_number: self.needed(raw, &raw.f_number())?,
+            exposure_s: self.needed(raw, &raw.exposure_s())?,
             transmission: self.quantity(&raw.transmission())?,
             bands_nm,
             quantum_efficiency,
@@ -273,7 +273,7 @@ impl SceneText<'_> {
         let bits = self.count(&raw.bits(), |range| format!("must be from {range}"))?;
         let bias_dn =
             f64::from(self.count(&raw.bias_dn(), |range| format!("must be from {range}"))?);
-        let full_well_e = self.needed(&raw.full_well_e())?;
+        let full_well_e = self.needed(raw, &raw.full_well_e())?;
         let white = f64::from((1_u32 << bits) - 1);
         if bias_dn >= white {
             let advice = format!("must be below {white}, the greatest number of {bits} bits");
@@ -326,10 +326,14 @@ impl SceneText<'_> {
     }
 
     /// A required number.
-    fn needed(&self, field: &Field<'_, f64, RangeInclusive<f64>>) -> Result<f64, SceneError> {
+    fn needed(
+        &self,
+        raw: &RawSensor,
+        field: &Field<'_, f64, RangeInclusive<f64>>,
+    ) -> Result<f64, SceneError> {
         if !field.is_given() {
-            let advice = format!("a sensor needs {}; give it in [sensor]", field.key);
-            return Err(self.reject(field, advice));
+            let remedy = format!("a sensor needs {}; give it in [sensor]", field.key);
+            return Err(self.missing(field, raw.given(), remedy));
         }
         self.quantity_or(field, f64::NAN)
     }
