@@ -134,7 +134,7 @@ class Pygfx:
         globe = gfx.Mesh(gfx.sphere_geometry(EARTH_KM, *CELLS), material)
         globe.local.euler = (math.pi / 2, 0, 0)
         self._scene = gfx.Scene().add(globe, self._light)
-        self._canvas = canvas
+        self._canvas, self._numpy = canvas, np
         canvas.request_draw(lambda: self._renderer.render(self._scene, self._camera))
         self.version = f"{gfx.__version__}, {self._renderer.device.adapter_info['device']}"
 
@@ -145,9 +145,7 @@ class Pygfx:
         self._camera.local.reference_up = (0, 0, 1)
         self._camera.look_at((0, 0, 0))
         self._light.local.position = on_equator(1e6, lon_deg + SUN_DEG)
-        import numpy as np
-
-        return np.asarray(self._canvas.draw())
+        return self._numpy.asarray(self._canvas.draw())
 
 
 def on_equator(distance_km, lon_deg):
