@@ -176,9 +176,10 @@ pub use terrella_ground::light::{
 };
 #[cfg(all(feature = "packs", feature = "terrain"))]
 pub use terrella_imagery::pack::PackHeights;
+pub use terrella_ground::air::{AirFileError, supply as supply_air_tables};
 pub use terrella_imagery::{
-    CityLights, EarthLayers, ImageryError, LayerImage, LayerSelection, MapFolder, PLACES_FILE,
-    find_textures, load_layers, load_layers_to,
+    CityLights, DetailTileError, EarthLayers, ImageryError, LayerImage, LayerSelection, MapFolder,
+    PLACES_FILE, find_textures, load_layers, load_layers_to, supply_detail_tile,
     tile::{LayerLayout, MapLayer, Tile, TileError, TileFormat, TileKey, TileShape, TileSource},
 };
 #[cfg(feature = "packs")]

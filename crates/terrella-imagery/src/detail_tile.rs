@@ -1,43 +1,80 @@
 //! Detail smaller than the texels of maps.
 
-use super::decode::{FileKind, Picture};
+use super::decode::{FileKind, Picture, TexelKind};
 use super::layer::LayerImage;
 use super::mips;
 use super::texel::TexelFormat;
+use std::sync::OnceLock;
 
 /// The byte that is the mean.
 pub const DETAIL_MEAN: f32 = 128.0;
 /// Standard deviations that a step of one byte means.
 pub const DETAIL_STEP: f32 = 3.2 / 127.0;
 
+#[cfg(any(test, feature = "detail-tile"))]
+const COMPILED_IN: Option<&[u8]> = Some(include_bytes!("../data/detail_tile.jpg"));
+#[cfg(not(any(test, feature = "detail-tile")))]
+const COMPILED_IN: Option<&[u8]> = None;
+
+/// Edge of the tile, texels.
+const SIZE: (u32, u32) = (1024, 1024);
+
+/// The tile of [`supply_detail_tile`].
+static SUPPLIED: OnceLock<LayerImage> = OnceLock::new();
+
+/// Why a file is not the tile.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("detail_tile.jpg: {cause}; take the file of this version")]
+pub struct DetailTileError {
+    cause: String,
+}
+
 /// A square of clouds' fine structure with its mip levels: no map, but a tile to repeat in all directions. Its values have the mean
 /// 0 and the variance 1, as bytes by [`DETAIL_STEP`].
 ///
 /// Its first row and its first column are the same and read the same from both ends, so that a whole number of tiles along each edge
 /// covers the six sides of a cube without a seam. It is a part of the starter pack's cloud map, without structures larger than some 64
-/// texels, and is compiled in.
+/// texels. The feature `detail-tile` compiles it in. Without the feature and before [`supply_detail_tile`], the tile is one texel
+/// without structure.
 pub fn detail_tile() -> LayerImage {
-    let (size, texels) = decoded().unwrap_or(((1, 1), vec![128]));
-    LayerImage {
-        width: size.0,
-        height: size.1,
+    let supplied = SUPPLIED.get().cloned();
+    // A test decodes the compiled tile.
+    let tile = supplied.or_else(|| decoded(COMPILED_IN?).ok());
+    tile.unwrap_or_else(|| LayerImage {
+        width: 1,
+        height: 1,
         format: TexelFormat::R8Unorm,
-        levels: mips::chain(
-            texels,
-            size.0 as usize,
-            size.1 as usize,
-            TexelFormat::R8Unorm,
-        )
-        .into(),
-    }
+        levels: [vec![DETAIL_MEAN as u8]].into(),
+    })
 }
 
-/// The embedded tile decodes: a test checks it.
-fn decoded() -> Option<((u32, u32), Vec<u8>)> {
-    let jpeg = include_bytes!("../data/detail_tile.jpg");
-    let picture = Picture::open(FileKind::Jpeg, jpeg).ok()?;
-    let size = picture.size();
-    Some((size, picture.texels().ok()?))
+/// Takes the contents of `detail_tile.jpg`, for programs without the feature `detail-tile`. Earths that are made later show it. The first file
+/// stays.
+///
+/// # Errors
+/// A file that is no JPEG of the tile's size.
+pub fn supply_detail_tile(jpeg: &[u8]) -> Result<(), DetailTileError> {
+    let tile = decoded(jpeg).map_err(|cause| DetailTileError { cause })?;
+    // A second file is the same one.
+    let _ = SUPPLIED.set(tile);
+    Ok(())
+}
+
+/// The tile of a file. The error is its cause.
+fn decoded(jpeg: &[u8]) -> Result<LayerImage, String> {
+    let picture = Picture::open(FileKind::Jpeg, jpeg)?;
+    let ((width, height), kind) = (picture.size(), picture.texel_kind());
+    if ((width, height), kind) != (SIZE, TexelKind::grey(8)) {
+        return Err(format!("it has {width} × {height} texels of {kind}"));
+    }
+    let format = TexelFormat::R8Unorm;
+    let levels = mips::chain(picture.texels()?, width as usize, height as usize, format);
+    Ok(LayerImage {
+        width,
+        height,
+        format,
+        levels: levels.into(),
+    })
 }
 
 #[cfg(test)]
@@ -73,6 +110,18 @@ mod tests {
         let mean = values.iter().sum::<f32>() / values.len() as f32;
         assert!(mean.abs() < 0.02, "{mean}");
         assert!((variance(&tile.levels[0]) - 1.0).abs() < 0.05);
+    }
+
+    #[test]
+    fn another_file_is_rejected() {
+        let error = supply_detail_tile(b"no picture")
+            .expect_err("no JPEG")
+            .to_string();
+        assert!(error.starts_with("detail_tile.jpg: "), "{error}");
+        let jpeg = COMPILED_IN.expect("compiled into tests");
+        assert!(supply_detail_tile(&jpeg[..jpeg.len() / 2]).is_err());
+        supply_detail_tile(jpeg).expect("the tile itself");
+        assert_eq!(detail_tile(), decoded(jpeg).expect("decodes"));
     }
 
     /// The shader's `structure_of_size`.

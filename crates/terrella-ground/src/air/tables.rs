@@ -36,6 +36,7 @@ use glam::{DVec3, Vec3, Vec4};
 use interpolation::LitFromOutside;
 pub use interpolation::{InterpolationBound, InterpolationLimits};
 use path::{Light, Path, Ray};
+pub use shipped::{AirFileError, supply};
 use source_table::{COEFFICIENTS, HEIGHTS, SUNS, SourceFunction};
 use sources::Sources;
 use std::f64::consts::PI;
@@ -126,10 +127,10 @@ impl AirTables {
     /// The tables for these options. The default tables ship with the crate. Others are computed on first use in the process, which takes
     /// half a second on two cores.
     pub fn shared(options: &AirOptions) -> Arc<Self> {
-        static MADE: Kept<AirOptions, AirTables> = Kept::none();
-        MADE.get(options, || match *options == AirOptions::default() {
-            true => shipped::default_tables(),
-            false => Self::compute(options),
+        MADE.get(options, || {
+            let is_default = *options == AirOptions::default();
+            let shipped = is_default.then(shipped::default_tables).flatten();
+            shipped.unwrap_or_else(|| Self::compute(options))
         })
     }
 
@@ -211,18 +212,20 @@ impl AirAboveClouds {
     /// The tables for these options and a cloud height in metres. The tables of the default atmosphere and height ship with the crate.
     /// Others are computed on first use in the process, which takes a third of a second on two cores.
     pub fn shared(options: &AirOptions, height_m: f64) -> Arc<Self> {
-        static MADE: Kept<(AirOptions, f64), AirAboveClouds> = Kept::none();
-        let shipped = (AirOptions::default(), above_clouds::SHIPPED_M);
-        MADE.get(&(*options, height_m), || {
-            match (*options, height_m) == shipped {
-                true => shipped::above_clouds(),
-                false => Self::compute(options, height_m),
-            }
+        let key = (*options, height_m);
+        MADE_ABOVE_CLOUDS.get(&key, || {
+            let is_shipped = key == (AirOptions::default(), above_clouds::SHIPPED_M);
+            let shipped = is_shipped.then(shipped::above_clouds).flatten();
+            shipped.unwrap_or_else(|| Self::compute(options, height_m))
         })
     }
 }
 
-/// Tables that the process has computed, by key.
+/// Tables that the process has computed or was supplied with.
+static MADE: Kept<AirOptions, AirTables> = Kept::none();
+static MADE_ABOVE_CLOUDS: Kept<(AirOptions, f64), AirAboveClouds> = Kept::none();
+
+/// Tables by key.
 struct Kept<K, T>(Mutex<Vec<(K, Arc<T>)>>);
 
 impl<K: Copy + PartialEq, T> Kept<K, T> {
@@ -243,6 +246,14 @@ impl<K: Copy + PartialEq, T> Kept<K, T> {
         made.truncate(Self::COUNT - 1);
         made.insert(0, (*key, tables.clone()));
         tables
+    }
+
+    /// Keeps tables that were made elsewhere.
+    fn set(&self, key: K, tables: Arc<T>) {
+        let mut made = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        made.retain(|(of, _)| *of != key);
+        made.truncate(Self::COUNT - 1);
+        made.insert(0, (key, tables));
     }
 }
 

@@ -1,20 +1,41 @@
 //! Tables of the default atmosphere, which ship with the crate. Computing them would add most of a second to every start.
 //!
+//! The feature `air-tables` compiles them in. Hosts without it, such as web pages, load the same two files beside the program and [`supply`] them.
+//!
 //! `default.bin` is little-endian. It starts with `scattering` and `bounce` as IEEE halves; only the GPU uses them, in this form. `through`,
 //! `sunlight`, `transmittance`, `sources`, `profile` and the sky's albedo follow as f32. `above_clouds.bin` has the same layout for
 //! [`AirAboveClouds`], without `transmittance`, `sources` and `profile`. `TERRELLA_UPDATE_AIR=1 cargo test -p terrella-ground shipped` writes both
 //! files. Without the variable the same tests compare them.
 
+use super::above_clouds::SHIPPED_M;
 use super::{
     AirAboveClouds, AirTables, BOUNCE, PROFILE, RAYS, SCATTERING, SOURCES, SUNLIGHT, THROUGH,
     TRANSMITTANCE, TableSize,
 };
+use crate::air::AirOptions;
 use crate::half::float_of_half;
 use glam::{Vec3, Vec4};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
-const DEFAULT: &[u8] = include_bytes!("default.bin");
-const ABOVE_CLOUDS: &[u8] = include_bytes!("above_clouds.bin");
+#[cfg(any(test, feature = "air-tables"))]
+const COMPILED_IN: Option<[&[u8]; 2]> = Some([
+    include_bytes!("default.bin"),
+    include_bytes!("above_clouds.bin"),
+]);
+#[cfg(not(any(test, feature = "air-tables")))]
+const COMPILED_IN: Option<[&[u8]; 2]> = None;
+
+/// Bytes that are not the tables of the default atmosphere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "the tables of the air have {bytes} bytes and not {expected}; take the file of this version"
+)]
+pub struct AirFileError {
+    /// Their number.
+    pub bytes: usize,
+    /// The number in this version.
+    pub expected: usize,
+}
 
 /// Sizes of the tables in a file: half-float tables first, then f32 tables.
 struct Layout<const HALVES: usize, const FLOATS: usize> {
@@ -35,23 +56,46 @@ const OF_ABOVE_CLOUDS: Layout<2, 2> = Layout {
     floats: [TableSize::new(RAYS, 1, 1), SUNLIGHT],
 };
 
-const _: () = assert!(
-    DEFAULT.len() == OF_DEFAULT.bytes(),
-    "default.bin has another size"
-);
-const _: () = assert!(
-    ABOVE_CLOUDS.len() == OF_ABOVE_CLOUDS.bytes(),
-    "above_clouds.bin has another size"
-);
+const _: () = if let Some([default, above_clouds]) = COMPILED_IN {
+    assert!(
+        default.len() == OF_DEFAULT.bytes(),
+        "default.bin has another size"
+    );
+    assert!(
+        above_clouds.len() == OF_ABOVE_CLOUDS.bytes(),
+        "above_clouds.bin has another size"
+    );
+};
 
-/// The tables of [`AirOptions::default`](super::AirOptions).
-pub(super) fn default_tables() -> AirTables {
-    read_default(DEFAULT)
+/// The tables of [`AirOptions::default`], if they are compiled in.
+pub(super) fn default_tables() -> Option<AirTables> {
+    COMPILED_IN.map(|[default, _]| read_default(default))
 }
 
-/// The tables of the same atmosphere above clouds at [`SHIPPED_M`](super::above_clouds::SHIPPED_M).
-pub(super) fn above_clouds() -> AirAboveClouds {
-    read_above_clouds(ABOVE_CLOUDS)
+/// The tables of the same atmosphere above clouds at [`SHIPPED_M`], if they are compiled in.
+pub(super) fn above_clouds() -> Option<AirAboveClouds> {
+    COMPILED_IN.map(|[_, above_clouds]| read_above_clouds(above_clouds))
+}
+
+/// Takes the contents of `default.bin` followed by those of `above_clouds.bin`, for programs without the feature `air-tables`. Call it before the
+/// first Earth is made; otherwise the tables are computed, which takes seconds on one thread.
+///
+/// # Errors
+/// Another number of bytes. Nothing is then supplied.
+pub fn supply(files: &[u8]) -> Result<(), AirFileError> {
+    let expected = OF_DEFAULT.bytes() + OF_ABOVE_CLOUDS.bytes();
+    if files.len() != expected {
+        return Err(AirFileError {
+            bytes: files.len(),
+            expected,
+        });
+    }
+    let (default, above_clouds) = files.split_at(OF_DEFAULT.bytes());
+    let air = AirOptions::default();
+    super::MADE.set(air, Arc::new(read_default(default)));
+    let above_clouds = Arc::new(read_above_clouds(above_clouds));
+    super::MADE_ABOVE_CLOUDS.set((air, SHIPPED_M), above_clouds);
+    Ok(())
 }
 
 fn read_default(bytes: &[u8]) -> AirTables {
@@ -120,9 +164,7 @@ fn take(numbers: &mut impl Iterator<Item = f32>, size: TableSize) -> Vec<Vec4> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::above_clouds::SHIPPED_M;
     use super::*;
-    use crate::air::AirOptions;
     use crate::half::half_bits;
 
     /// Tables with their names, in file order, and whether they are stored as halves.
@@ -193,27 +235,45 @@ mod tests {
         assert!((shipped.1 - computed.1).abs().max_element() < 1e-6);
     }
 
+    fn compiled_in() -> (AirTables, AirAboveClouds) {
+        let default = default_tables().expect("compiled into tests");
+        (default, above_clouds().expect("compiled into tests"))
+    }
+
     #[test]
     fn the_shipped_air_is_the_computed_one() {
+        let (default, above_clouds) = compiled_in();
         let computed = AirTables::compute(&AirOptions::default());
-        compare("default.bin", &named(&default_tables()), &named(&computed));
+        compare("default.bin", &named(&default), &named(&computed));
         let computed = AirAboveClouds::compute(&AirOptions::default(), SHIPPED_M);
-        let shipped = above_clouds();
         compare(
             "above_clouds.bin",
-            &named_above_clouds(&shipped),
+            &named_above_clouds(&above_clouds),
             &named_above_clouds(&computed),
         );
     }
 
     #[test]
     fn what_is_read_is_what_was_written() {
-        assert!(bytes_of(&named(&default_tables())) == DEFAULT);
-        assert!(bytes_of(&named_above_clouds(&above_clouds())) == ABOVE_CLOUDS);
-        let mut changed = DEFAULT.to_vec();
+        let [default, above] = COMPILED_IN.expect("compiled into tests");
+        let (tables, above_clouds) = compiled_in();
+        assert!(bytes_of(&named(&tables)) == default);
+        assert!(bytes_of(&named_above_clouds(&above_clouds)) == above);
+        let mut changed = default.to_vec();
         if let Some(last) = changed.last_mut() {
             *last ^= 1;
         }
         assert!(bytes_of(&named(&read_default(&changed))) == changed);
+    }
+
+    #[test]
+    fn files_of_another_size_are_rejected() {
+        let files = COMPILED_IN.expect("compiled into tests").concat();
+        supply(&files).expect("the shipped files");
+        let error = supply(&files[1..]).expect_err("a byte is missing");
+        assert_eq!(
+            (error.bytes, error.expected),
+            (files.len() - 1, files.len())
+        );
     }
 }
