@@ -162,6 +162,7 @@ pub use offscreen::{
 };
 pub use plan::{LightEffect, SurfaceLight};
 pub use terrella_frames::Epoch;
+pub use terrella_ground::air::{AirFileError, supply as supply_air_tables};
 pub use terrella_ground::air::{AirOptions, Atmosphere};
 pub use terrella_ground::globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
 #[cfg(feature = "terrain")]
@@ -176,10 +177,10 @@ pub use terrella_ground::light::{
 };
 #[cfg(all(feature = "packs", feature = "terrain"))]
 pub use terrella_imagery::pack::PackHeights;
-pub use terrella_ground::air::{AirFileError, supply as supply_air_tables};
 pub use terrella_imagery::{
-    CityLights, DetailTileError, EarthLayers, ImageryError, LayerImage, LayerSelection, MapFolder,
-    PLACES_FILE, find_textures, load_layers, load_layers_to, supply_detail_tile,
+    CityLights, DetailTileError, EarthLayers, ImageryError, LayerImage, LayerSelection, MapBands,
+    MapFolder, MapRows, MapSink, PLACES_FILE, TexelFormat, find_textures, load_layers,
+    load_layers_to, supply_detail_tile,
     tile::{LayerLayout, MapLayer, Tile, TileError, TileFormat, TileKey, TileShape, TileSource},
 };
 #[cfg(feature = "packs")]

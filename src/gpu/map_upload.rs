@@ -1,6 +1,6 @@
 //! Upload of a map in bands of rows: few copies are pending on the device, however large the map is.
 
-use terrella_imagery::{LayerImage, MapRows, TexelFormat};
+use terrella_imagery::{LayerImage, MapBands, MapRows, TexelFormat};
 
 /// Size of a band that is collected before it is written, bytes.
 const BAND_BYTES: usize = 1 << 18;
@@ -10,46 +10,19 @@ const STAGED_BYTES: usize = 2 << 20;
 
 /// A map whose rows are written to the GPU as they arrive.
 pub(crate) struct MapUpload {
+    bands: MapBands,
+    writer: Writer,
+}
+
+struct Writer {
     device: wgpu::Device,
     queue: wgpu::Queue,
     texture: wgpu::Texture,
-    levels: Vec<LevelUpload>,
+    /// Size and format of the map.
+    map: LayerImage,
     /// Bytes written since the last submission.
     staged: usize,
     bytes: u64,
-}
-
-/// A mip level that is being uploaded band by band.
-struct LevelUpload {
-    width: u32,
-    height: u32,
-    row_bytes: usize,
-    /// Number of rows in a band; the last may have fewer.
-    band_rows: u32,
-    /// Rows of the current band, each at its place.
-    band: Vec<u8>,
-    /// Number of rows received.
-    came: u32,
-}
-
-impl LevelUpload {
-    fn new((width, height): (u32, u32), texel_bytes: usize) -> Self {
-        let row_bytes = width as usize * texel_bytes;
-        Self {
-            width,
-            height,
-            row_bytes,
-            band_rows: (BAND_BYTES / row_bytes).max(1) as u32,
-            band: Vec::new(),
-            came: 0,
-        }
-    }
-
-    /// First row of the band that contains a row, and number of its rows.
-    fn band_of(&self, row: u32) -> (u32, u32) {
-        let first = row / self.band_rows * self.band_rows;
-        (first, self.band_rows.min(self.height.saturating_sub(first)))
-    }
 }
 
 impl MapUpload {
@@ -83,59 +56,38 @@ impl MapUpload {
             usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
             view_formats: &[],
         });
-        let levels = (0..count as usize)
-            .map(|level| LevelUpload::new(map.level_size(level), map.format.texel_bytes()));
         Self {
-            device: device.clone(),
-            queue: queue.clone(),
-            texture,
-            levels: levels.collect(),
-            staged: 0,
-            bytes: 0,
+            bands: MapBands::new(map, BAND_BYTES),
+            writer: Writer {
+                device: device.clone(),
+                queue: queue.clone(),
+                texture,
+                map: map.without_texels(),
+                staged: 0,
+                bytes: 0,
+            },
         }
     }
 
     /// Adds whole rows of a level, starting at row `first`. All rows of a band must come before those of the next.
     pub fn rows(&mut self, level: usize, first: u32, texels: &[u8]) {
-        let Some(row_bytes) = self.levels.get(level).map(|place| place.row_bytes) else {
-            return;
-        };
-        let (mut number, mut left) = (first, texels);
-        while let Some(place) = self.levels.get_mut(level)
-            && !left.is_empty()
-            && number < place.height
-        {
-            let (begin, rows) = place.band_of(number);
-            let whole = rows as usize * row_bytes;
-            // A whole band is written directly; a partial one is collected.
-            if number == begin && place.came == 0 && left.len() >= whole {
-                let (band, rest) = left.split_at(whole);
-                self.write(level, begin, band);
-                (number, left) = (begin + rows, rest);
-                continue;
-            }
-            let (row, rest) = left.split_at(row_bytes.min(left.len()));
-            place.band.resize(whole, 0);
-            let at = (number - begin) as usize * row_bytes;
-            place.band[at..at + row.len()].copy_from_slice(row);
-            place.came += 1;
-            if place.came == rows {
-                place.came = 0;
-                let band = std::mem::take(&mut place.band);
-                self.write(level, begin, &band);
-                if let Some(place) = self.levels.get_mut(level) {
-                    place.band = band;
-                }
-            }
-            (number, left) = (number + 1, rest);
-        }
+        let writer = &mut self.writer;
+        self.bands.rows(level, first, texels, |level, first, band| {
+            writer.write(level, first, band);
+        });
     }
 
+    /// The map after all rows of all levels have been added, and its size in bytes.
+    pub fn finish(self) -> (wgpu::Texture, u64) {
+        (self.writer.texture, self.writer.bytes)
+    }
+}
+
+impl Writer {
     fn write(&mut self, level: usize, first: u32, rows: &[u8]) {
-        let Some(place) = self.levels.get(level) else {
-            return;
-        };
-        let count = (rows.len() / place.row_bytes) as u32;
+        let width = self.map.level_size(level).0;
+        let row_bytes = width * self.map.format.texel_bytes() as u32;
+        let count = rows.len() as u32 / row_bytes;
         let mut destination = self.texture.as_image_copy();
         destination.mip_level = level as u32;
         destination.origin.y = first;
@@ -144,11 +96,11 @@ impl MapUpload {
             rows,
             wgpu::TexelCopyBufferLayout {
                 offset: 0,
-                bytes_per_row: Some(place.row_bytes as u32),
+                bytes_per_row: Some(row_bytes),
                 rows_per_image: Some(count),
             },
             wgpu::Extent3d {
-                width: place.width,
+                width,
                 height: count,
                 depth_or_array_layers: 1,
             },
@@ -169,11 +121,6 @@ impl MapUpload {
             submission_index: Some(submission),
             timeout: None,
         });
-    }
-
-    /// The map after all rows of all levels have been added, and its size in bytes.
-    pub fn finish(self) -> (wgpu::Texture, u64) {
-        (self.texture, self.bytes)
     }
 }
 

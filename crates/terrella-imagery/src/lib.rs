@@ -12,6 +12,7 @@
 //! | `load.rs` | a folder of maps read from disk |
 //! | `grey.rs` | maps of one byte a texel |
 //! | `map_file.rs` | one map file, opened with limits before every allocation |
+//! | `map_bands.rs` | rows of a map collected into bands |
 //! | `map_rows.rs` | maps passed to a host row by row while they are read |
 //! | `decode.rs` | PNG and JPEG files |
 //! | `picture.rs` | images that are not maps |
@@ -44,6 +45,7 @@ mod ground_kinds;
 pub mod jpeg;
 mod layer;
 mod load;
+mod map_bands;
 mod map_file;
 mod map_folder;
 mod map_rows;
@@ -67,9 +69,7 @@ pub use cities::{
     CITY_CELLS, CityCell, CityLight, CityLights, FINENESSES, LAMP_COLOR, LEAST_LIGHT, MAX_PLACES,
     PLACES_FILE, Place, PlacesError, read_places,
 };
-pub use detail_tile::{
-    DETAIL_MEAN, DETAIL_STEP, DetailTileError, detail_tile, supply_detail_tile,
-};
+pub use detail_tile::{DETAIL_MEAN, DETAIL_STEP, DetailTileError, detail_tile, supply_detail_tile};
 pub use error::ImageryError;
 pub use find::{TEXTURES_VARIABLE, find_textures};
 pub use grey::load_grey_map;
@@ -80,6 +80,7 @@ pub use load::{
     load_layers_to, load_whole_layers,
 };
 pub use load::{colour_note, day_file};
+pub use map_bands::MapBands;
 pub use map_file::MAX_FILE_BYTES;
 pub use map_folder::MapFolder;
 pub use map_rows::{KeptInMemory, MapRows, MapSink};
