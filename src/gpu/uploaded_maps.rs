@@ -3,7 +3,7 @@
 use super::map::{is_stored, label, unfit};
 use super::map_upload::MapUpload;
 use super::{ErrorScope, GpuLayer, GpuMap, MapError};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use terrella_ground::globe::Shading;
 use terrella_imagery::tile::{MAP_LAYERS, MapLayer};
 use terrella_imagery::{LayerImage, MapRows, MapSink, MapSummaryRows, TexelFormat};
@@ -58,7 +58,9 @@ impl UploadedMaps {
 
 /// Uploads maps while they are read from files ([`load_layers_to`](terrella_imagery::load_layers_to)): no map is in memory as a whole, except the
 /// day map.
-pub struct MapUploader {
+pub struct MapUploader(Arc<Uploads>);
+
+struct Uploads {
     device: wgpu::Device,
     queue: wgpu::Queue,
     shading: Shading,
@@ -68,33 +70,33 @@ pub struct MapUploader {
 impl MapUploader {
     /// For Earths with this shading.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, shading: Shading) -> Self {
-        Self {
+        Self(Arc::new(Uploads {
             device: device.clone(),
             queue: queue.clone(),
             shading,
             done: Mutex::new(Ok(UploadedMaps::default())),
-        }
+        }))
     }
 
-    /// The maps that were read completely.
+    /// The maps whose rows have all come.
     ///
     /// # Errors
     /// The first map that the device rejected.
     pub fn finish(self) -> Result<UploadedMaps, MapError> {
-        let done = self.done.into_inner();
-        done.unwrap_or_else(PoisonError::into_inner)
+        let mut done = self.0.done.lock().unwrap_or_else(PoisonError::into_inner);
+        std::mem::replace(&mut *done, Ok(UploadedMaps::default()))
     }
-}
 
-impl MapSink for MapUploader {
-    fn begin(
+    /// Begins a map of this size, texels, whose rows come from elsewhere, such as a worker of a web page. `None` for a map that is too large for the
+    /// device. Without the rows' last call, [`MapRows::finish`], the map is left out.
+    pub fn rows(
         &self,
         layer: MapLayer,
         (width, height): (u32, u32),
         format: TexelFormat,
-    ) -> Option<Box<dyn MapRows + '_>> {
-        // A map that is too large stays in memory. It is an error when an Earth is made with it.
-        if width.max(height) > self.device.limits().max_texture_dimension_2d {
+    ) -> Option<Box<dyn MapRows>> {
+        let uploads = &self.0;
+        if width.max(height) > uploads.device.limits().max_texture_dimension_2d {
             return None;
         }
         let map = LayerImage {
@@ -103,33 +105,45 @@ impl MapSink for MapUploader {
             format,
             levels: [].into(),
         };
-        let memory = ErrorScope::open(&self.device, wgpu::ErrorFilter::OutOfMemory);
-        let validation = ErrorScope::open(&self.device, wgpu::ErrorFilter::Validation);
-        let (device, queue) = (&self.device, &self.queue);
-        let is_stored = is_stored(self.shading);
+        let (device, queue) = (&uploads.device, &uploads.queue);
+        let memory = ErrorScope::open(device, wgpu::ErrorFilter::OutOfMemory);
+        let validation = ErrorScope::open(device, wgpu::ErrorFilter::Validation);
+        let is_stored = is_stored(uploads.shading);
         Some(Box::new(Rows {
             upload: MapUpload::new(device, queue, &label(layer), &map, is_stored),
             summary: MapSummaryRows::new(layer, (width, height), format),
             layer,
             validation,
             memory,
-            uploader: self,
+            uploads: uploads.clone(),
         }))
     }
 }
 
+impl MapSink for MapUploader {
+    /// A map that is too large stays in memory. It is an error when an Earth is made with it.
+    fn begin(
+        &self,
+        layer: MapLayer,
+        size: (u32, u32),
+        format: TexelFormat,
+    ) -> Option<Box<dyn MapRows + '_>> {
+        Some(self.rows(layer, size, format)?)
+    }
+}
+
 /// Rows of one map.
-struct Rows<'u> {
+struct Rows {
     layer: MapLayer,
     upload: MapUpload,
     summary: MapSummaryRows,
     // In the order in which the scopes must end.
     validation: ErrorScope,
     memory: ErrorScope,
-    uploader: &'u MapUploader,
+    uploads: Arc<Uploads>,
 }
 
-impl MapRows for Rows<'_> {
+impl MapRows for Rows {
     fn rows(&mut self, level: usize, first: u32, texels: &[u8]) {
         self.upload.rows(level, first, texels);
         self.summary.rows(level, first, texels);
@@ -139,8 +153,8 @@ impl MapRows for Rows<'_> {
         let held = GpuLayer::of_upload(self.upload);
         let rejected = self.validation.error();
         let full = self.memory.error();
-        let uploader = self.uploader;
-        let mut done = uploader.done.lock().unwrap_or_else(PoisonError::into_inner);
+        let uploads = self.uploads;
+        let mut done = uploads.done.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(error) = full.or(rejected) {
             if done.is_ok() {
                 *done = Err(MapError::Rejected(error.to_string()));
@@ -151,7 +165,7 @@ impl MapRows for Rows<'_> {
                 self.layer,
                 held,
                 summary,
-                uploader.shading,
+                uploads.shading,
             ));
         }
     }
