@@ -131,6 +131,11 @@ impl Planner {
         self.kinds = kinds;
     }
 
+    /// Counts texels of a whole day map of this width.
+    pub fn set_day_width(&mut self, texels: u32) {
+        self.whole_day_pixels = texels / COLUMNS;
+    }
+
     /// Plans with this terrain from now on, or with the smooth ellipsoid.
     pub fn set_ground(&mut self, ground: Option<GroundDriver>) {
         self.ground = ground;

@@ -8,10 +8,10 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use terrella::frames::Geodetic;
 use terrella::{
     Earth, EarthError, EarthOptions, EyeView, FrameRequest, FrameTargets, GpuContext, GpuMap,
-    MapError, MapFade, Quality, Shading, Sky,
+    MapError, MapFade, MapUploader, Quality, Shading, Sky,
 };
 use terrella_imagery::tile::MapLayer;
-use terrella_imagery::{EarthLayers, LayerImage};
+use terrella_imagery::{EarthLayers, LayerImage, TexelFormat};
 
 const SIZE: (u32, u32) = (160, 90);
 
@@ -80,6 +80,66 @@ fn another_map_is_drawn_as_if_it_had_been_there_from_the_start() {
         .set_map(&common::gpu().queue, &upload(MapLayer::Clouds, &first))
         .expect("it has clouds");
     assert!(rig.draw(&view(), SUN).0 == before);
+}
+
+/// A day map, clouds and a coast at 20° E, of this width.
+fn all_layers(width: u32, seed: u32) -> EarthLayers {
+    let water = |n: u32| match n % width > width * 5 / 9 {
+        true => 0,
+        false => 255,
+    };
+    let water = (0..width * width / 2).map(water).collect();
+    EarthLayers {
+        clouds: Some(clouds(seed)),
+        water: Some(LayerImage::from_r8(width, width / 2, water).expect("a sound map")),
+        ..common::day_only(map(width, |lat, lon| {
+            [(lat + 90.0) as u8, (lon.abs() / 2.0) as u8, seed as u8]
+        }))
+    }
+}
+
+#[test]
+fn finer_maps_are_drawn_as_if_they_had_been_there_from_the_start() {
+    let gpu = gpu();
+    let mut rig = Rig::new(&EarthOptions::new(all_layers(128, 1)), SIZE);
+    let (before, _) = rig.draw(&view(), SUN);
+    let finer = all_layers(1024, 34);
+    let expected = Rig::new(&EarthOptions::new(finer.clone()), SIZE).draw(&view(), SUN);
+    assert!(apart(&before, &expected.0) > 20, "the maps must differ");
+
+    let uploader = MapUploader::new(&gpu.device, &gpu.queue, Shading::Sunlit);
+    for layer in MapLayer::ALL {
+        let Some(image) = finer.get(layer) else {
+            continue;
+        };
+        let rows = uploader.rows(layer, (image.width, image.height), image.format);
+        let mut rows = rows.expect("a device takes such maps");
+        image.rows_to(&mut *rows);
+        rows.finish();
+    }
+    // A map whose rows break off is left out.
+    drop(uploader.rows(MapLayer::NightLights, (128, 64), TexelFormat::R8Unorm));
+    let maps = uploader.finish().expect("sound maps");
+    assert!(maps.get(MapLayer::NightLights).is_none());
+    rig.earth
+        .set_maps(&gpu.queue, &maps)
+        .expect("the same maps");
+    let (after, stats) = rig.draw(&view(), SUN);
+    assert!(after == expected.0);
+    assert_eq!(stats.texture_bytes, expected.1.texture_bytes);
+    assert_eq!(stats.draw_calls, expected.1.draw_calls);
+
+    let error = Rig::new(
+        &EarthOptions::new(common::day_only(map(128, |_, _| [9; 3]))),
+        SIZE,
+    )
+    .earth
+    .set_maps(&gpu.queue, &maps)
+    .expect_err("it has no clouds");
+    assert!(
+        matches!(error, EarthError::Map(MapError::NotDrawn(_))),
+        "{error}"
+    );
 }
 
 #[test]
