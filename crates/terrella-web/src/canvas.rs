@@ -28,6 +28,9 @@ pub enum CanvasError {
     Frame(&'static str),
 }
 
+/// Least pixels drawn for each of the canvas, along either axis.
+const LEAST_SCALE: f64 = 0.25;
+
 /// Errors of the device since the page last asked.
 #[derive(Clone, Default)]
 pub struct Faults(Arc<Mutex<Vec<String>>>);
@@ -77,6 +80,8 @@ pub struct Canvas {
     /// sRGB: WebGPU's canvas itself has no such format, and is seen through a view that has.
     format: wgpu::TextureFormat,
     target: ScaledTarget,
+    /// Pixels drawn for each of the canvas, along either axis.
+    scale: f64,
     /// Whether layers are added up as light and developed after the pass, as in native pictures.
     is_developing: bool,
 }
@@ -149,6 +154,7 @@ impl Canvas {
             config,
             format,
             target,
+            scale: 1.0,
             is_developing,
         })
     }
@@ -179,9 +185,31 @@ impl Canvas {
         }
         (self.config.width, self.config.height) = size;
         self.surface.configure(&self.device, &self.config);
+        self.fit_target()
+    }
+
+    /// Draws so many pixels for each of the canvas, along either axis.
+    ///
+    /// # Errors
+    /// An invalid shader.
+    pub fn set_scale(&mut self, scale: f64) -> Result<(), CanvasError> {
+        self.scale = scale.clamp(LEAST_SCALE, 1.0);
+        self.fit_target()
+    }
+
+    fn fit_target(&mut self) -> Result<(), CanvasError> {
+        let (width, height) = self.size();
+        let scaled = |pixels: u32| ((f64::from(pixels) * self.scale).round() as u32).max(1);
+        let drawn = (scaled(width), scaled(height));
         let samples = self.target.samples();
-        self.target.set(&self.device, size, size, samples)?;
+        self.target
+            .set(&self.device, (width, height), drawn, samples)?;
         Ok(())
+    }
+
+    /// Width and height of what is drawn, pixels: those for `prepare`.
+    pub fn drawn_size(&self) -> (u32, u32) {
+        self.target.drawn_size()
     }
 
     /// Draws one frame over black.

@@ -1,6 +1,7 @@
 //! The camera that the page sets and the pointer moves.
 
 use crate::orbit_camera::{Globe, OrbitCamera, Screen};
+use crate::pose::{Pose, north_of};
 use glam::{DVec2, DVec3};
 use terrella::EyeView;
 use terrella::frames::{Ellipsoid, Geodetic};
@@ -35,6 +36,8 @@ pub struct Eye {
     camera: OrbitCamera,
     fov_rad: f64,
     grabbed_itrf_m: Option<DVec3>,
+    /// The camera of another program, in place of this one until it is moved.
+    free: Option<Pose>,
 }
 
 const GLOBE: Globe<'static> = Globe {
@@ -73,7 +76,54 @@ impl Eye {
             camera: camera.held_above(&GLOBE),
             fov_rad: fov_deg.clamp(FOV_RANGE_DEG.0, FOV_RANGE_DEG.1).to_radians(),
             grabbed_itrf_m: None,
+            free: None,
         })
+    }
+
+    /// At a place, ITRF metres, that looks along a direction, with an axis that is upwards on screen. `None` if these are no camera: not finite, at
+    /// the centre of the Earth, or with parallel axes.
+    pub fn free(
+        &self,
+        at_itrf_m: DVec3,
+        direction: DVec3,
+        up: DVec3,
+        fov_deg: f64,
+    ) -> Option<Self> {
+        let forward = direction.try_normalize()?;
+        let up = (up - up.dot(forward) * forward).try_normalize()?;
+        if !(at_itrf_m.is_finite() && at_itrf_m.length() > 1.0 && fov_deg.is_finite()) {
+            return None;
+        }
+        let place = GLOBE.ellipsoid.geodetic_from_itrf(at_itrf_m);
+        let vertical = Ellipsoid::normal(place.lat_rad, place.lon_rad);
+        let north = north_of(place);
+        let east = north.cross(vertical);
+        // Straight up or down, the heading is that of the upper edge.
+        let ahead = match forward.dot(vertical).abs() < 1.0 - 1e-9 {
+            true => forward,
+            false => -forward.dot(vertical).signum() * up,
+        };
+        let camera = OrbitCamera {
+            place,
+            heading_rad: ahead.dot(east).atan2(ahead.dot(north)),
+            pitch_rad: forward.dot(vertical).clamp(-1.0, 1.0).asin(),
+        };
+        Some(Self {
+            camera,
+            fov_rad: fov_deg.clamp(FOV_RANGE_DEG.0, FOV_RANGE_DEG.1).to_radians(),
+            grabbed_itrf_m: None,
+            free: Some(Pose {
+                eye_itrf_m: at_itrf_m,
+                forward,
+                up,
+            }),
+        })
+    }
+
+    /// Replaces the camera by one of this module.
+    fn moved_to(&mut self, camera: OrbitCamera) {
+        self.camera = camera;
+        self.free = None;
     }
 
     /// Its current position.
@@ -96,7 +146,8 @@ impl Eye {
     /// For the renderer, on a canvas of so many pixels.
     pub fn eye_view(&self, size_px: (u32, u32)) -> EyeView {
         let aspect = f64::from(size_px.0) / f64::from(size_px.1.max(1));
-        let pose = self.camera.pose(&GLOBE.ellipsoid);
+        let own = || self.camera.pose(&GLOBE.ellipsoid);
+        let pose = self.free.unwrap_or_else(own);
         let mut view = pose.view(self.fov_rad, aspect);
         // The last column of the projection is the near plane: see `infinite_reversed_z`.
         let near_m = (NEAR_BY_HEIGHT * self.camera.place.height_m).max(EyeView::NEAR_M);
@@ -131,28 +182,28 @@ impl Eye {
     /// The pointer has moved: the grabbed place follows it, or the globe spins if none is grabbed.
     pub fn drag(&mut self, size_px: (u32, u32), from_px: DVec2, to_px: DVec2) {
         let screen = self.screen(size_px);
-        self.camera = match self.grabbed_itrf_m {
+        self.moved_to(match self.grabbed_itrf_m {
             Some(place) => self.camera.drag(&GLOBE, &screen, place, to_px),
             None => self.camera.spin(&GLOBE, &screen, to_px - from_px),
-        };
+        });
     }
 
     /// Multiplies the distance; the place under the pixel stays there if it can.
     pub fn approach(&mut self, size_px: (u32, u32), at_px: DVec2, factor: f64) {
         let screen = self.screen(size_px);
-        self.camera = self.camera.approach(&GLOBE, &screen, at_px, factor);
+        self.moved_to(self.camera.approach(&GLOBE, &screen, at_px, factor));
     }
 
     /// Moves around the place in the middle by pixels of a drag.
     pub fn tilt(&mut self, size_px: (u32, u32), by_px: DVec2) {
         let screen = self.screen(size_px);
-        self.camera = self.camera.tilt(&GLOBE, &screen, by_px);
+        self.moved_to(self.camera.tilt(&GLOBE, &screen, by_px));
     }
 
     /// North upwards.
     pub fn north_up(&mut self, size_px: (u32, u32)) {
         let screen = self.screen(size_px);
-        self.camera = self.camera.north_up(&GLOBE, &screen);
+        self.moved_to(self.camera.north_up(&GLOBE, &screen));
     }
 }
 
@@ -184,6 +235,48 @@ mod tests {
         for (held, there) in held.into_iter().zip(there) {
             assert!((held - there).abs() < 1e-6, "{held} {there}");
         }
+    }
+
+    #[test]
+    fn the_camera_of_another_program_is_taken_as_it_is() {
+        let eye = eye();
+        let pose = eye.camera.pose(&GLOBE.ellipsoid);
+        // Rolled, and not quite at right angles.
+        let right = pose.forward.cross(pose.up);
+        let up = pose.up + 0.5 * right + 0.2 * pose.forward;
+        let free = eye
+            .free(pose.eye_itrf_m, 3.0 * pose.forward, up, 40.0)
+            .expect("a camera");
+        let (view, again) = (eye.view(), free.view());
+        assert!((view.lat_deg - again.lat_deg).abs() < 1e-9, "{again:?}");
+        assert!(
+            (view.heading_deg - again.heading_deg).abs() < 1e-9,
+            "{again:?}"
+        );
+        assert!((view.pitch_deg - again.pitch_deg).abs() < 1e-9, "{again:?}");
+        let drawn = free.free.expect("kept as it is");
+        assert!(
+            (drawn.up.dot(right) - 0.2_f64.sqrt()).abs() < 1e-12,
+            "{drawn:?}"
+        );
+        let mut moved = free;
+        moved.tilt(SIZE, DVec2::new(3.0, 0.0));
+        assert!(moved.free.is_none());
+        // Straight down, west upwards.
+        let down = eye
+            .free(DVec3::X * 9e6, -DVec3::X, -DVec3::Y, 40.0)
+            .expect("a camera")
+            .view();
+        assert!(
+            (down.heading_deg - 270.0).abs() < 1e-6 && (down.pitch_deg + 90.0).abs() < 1e-6,
+            "{down:?}"
+        );
+        assert!(eye.free(DVec3::ZERO, DVec3::X, DVec3::Y, 40.0).is_none());
+        assert!(eye.free(DVec3::X * 9e6, DVec3::X, DVec3::X, 40.0).is_none());
+        assert!(
+            eye.free(DVec3::X * 9e6, DVec3::X, DVec3::Y, f64::NAN)
+                .is_none()
+        );
     }
 
     #[test]

@@ -1,29 +1,21 @@
-//! The class that `terrella.js` wraps.
+//! The classes that `earth.js` wraps.
 
 use crate::canvas::{Canvas, LOST};
+use crate::compact::restore;
 use crate::eye::{Eye, View};
-use crate::satellites;
-use glam::DVec2;
-use std::collections::HashMap;
+use crate::maps::Incoming;
+use crate::satellites::{self, Satellite};
+use crate::thrown;
+use glam::{DVec2, DVec3};
 use std::sync::Arc;
 use terrella::celestial::{Celestial, CelestialMoment, CelestialOptions, StarCatalogue};
 use terrella::frames::Orientation;
-use terrella::orbit::{Feed, Sgp4Feed};
 use terrella::tracks::{TrackMoment, Tracks, TracksOptions};
 use terrella::{
-    Earth, EarthOptions, Epoch, Exposure, FrameRequest, LayerSelection, MapUploader, Pipelines,
-    Sky, load_layers_to,
+    Atmosphere, Earth, EarthOptions, Epoch, Exposure, FrameRequest, MapLayer, Pipelines, Sky,
+    supply_air_tables, supply_detail_tile,
 };
-use wasm_bindgen::prelude::{JsCast, JsValue, wasm_bindgen};
-use wasm_bindgen_futures::JsFuture;
-
-/// The file of stars among the maps.
-const STARS: &str = "stars.bin";
-
-/// An error of the page.
-fn thrown(error: impl std::fmt::Display) -> JsValue {
-    js_sys::Error::new(&error.to_string()).into()
-}
+use wasm_bindgen::prelude::{JsValue, wasm_bindgen};
 
 #[wasm_bindgen(start)]
 fn start() {
@@ -33,74 +25,81 @@ fn start() {
     }));
 }
 
-/// The Earth on one canvas.
+/// Takes the tables of the air, as `cargo xtask web` writes them and inflated, and the tile of synthetic detail. Once in a page, before the first Earth.
+///
+/// # Errors
+/// Files of another version.
 #[wasm_bindgen]
-pub struct Globe {
+pub fn supply(air: &[u8], detail_tile: &[u8]) -> Result<(), JsValue> {
+    supply_air_tables(&restore(air)).map_err(thrown)?;
+    supply_detail_tile(detail_tile).map_err(thrown)
+}
+
+/// A canvas with a device, before the Earth is made.
+#[wasm_bindgen]
+pub struct Opening {
     canvas: Canvas,
-    earth: Earth,
-    celestial: Celestial,
-    eye: Eye,
-    satellites: Vec<Sgp4Feed>,
-    tracks: Option<Tracks>,
-    is_complete: bool,
+    anisotropy: u16,
+    incoming: Incoming,
 }
 
 #[wasm_bindgen]
-impl Globe {
-    /// Opens a device for a canvas that has no context yet, and makes the Earth of maps: an object of `Uint8Array`s by the names of the
-    /// starter maps (`day.jpg`, `clouds.jpg`, `elevation.png`, `night_lights.png`, `water.png`, `stars.bin`), of which the first must be
-    /// there. `step` is called with a word before each long step and awaited, so that the page can draw meanwhile.
+impl Opening {
+    /// Opens a device for a canvas that has no context yet.
     ///
     /// # Errors
-    /// A browser without an adapter, maps that cannot be read, a device without memory for them.
-    pub async fn create(
+    /// A browser without an adapter or a device.
+    pub async fn open(
         canvas: web_sys::HtmlCanvasElement,
-        maps: js_sys::Object,
         samples: u32,
         anisotropy: u16,
-        step: js_sys::Function,
-    ) -> Result<Globe, JsValue> {
+    ) -> Result<Opening, JsValue> {
         let samples = if samples > 1 { 4 } else { 1 };
         let canvas = Canvas::open(canvas, samples).await.map_err(thrown)?;
-        let mut files = HashMap::new();
-        for entry in js_sys::Object::entries(&maps).iter() {
-            let pair: js_sys::Array = entry.unchecked_into();
-            let name = pair.get(0).as_string().unwrap_or_default();
-            let bytes: js_sys::Uint8Array = pair.get(1).dyn_into().map_err(|_| {
-                thrown(format!(
-                    "the map {name} is no Uint8Array; give the bytes of its file"
-                ))
-            })?;
-            files.insert(name, bytes.to_vec());
-        }
-        drop(maps);
-        said(&step, "maps").await?;
-        let has = |name: &str| files.contains_key(name);
-        let selection = LayerSelection {
-            clouds: has("clouds.jpg") || has("clouds.png"),
-            normals: has("elevation.png"),
-            night_lights: has("night_lights.png"),
-            water: has("water.png"),
-        };
-        let stars = files.remove(STARS);
-        let (device, queue) = (&canvas.device, &canvas.queue);
-        let uploader = MapUploader::new(device, queue, Default::default());
-        let (layers, damaged) = load_layers_to(&files, selection, &uploader).map_err(thrown)?;
-        drop(files);
-        if let Some(damaged) = damaged.into_iter().next() {
-            return Err(thrown(damaged.error));
-        }
-        said(&step, "air").await?;
+        let incoming = Incoming::new(&canvas.device, &canvas.queue);
+        Ok(Self {
+            canvas,
+            anisotropy,
+            incoming,
+        })
+    }
+
+    /// Uploads a band of rows of a map: arguments as [`crate::decode_maps`] gives them.
+    ///
+    /// # Errors
+    /// A map that is too large for the device.
+    pub fn band(
+        &mut self,
+        map: usize,
+        width: u32,
+        height: u32,
+        level: i32,
+        first: u32,
+        texels: &[u8],
+    ) -> Result<(), JsValue> {
+        let device = &self.canvas.device;
+        let (map, rows) = ((map, width, height), (level, first));
+        let taken = self.incoming.band(device, map, rows, texels);
+        taken.map_err(thrown)
+    }
+
+    /// Makes the Earth of the maps that came, with the stars of a catalogue's file.
+    ///
+    /// # Errors
+    /// Maps without a day map, stars that cannot be read, a device without memory.
+    pub async fn finish(self, stars: Option<Vec<u8>>) -> Result<Globe, JsValue> {
+        let (layers, uploaded) = self.incoming.finish().map_err(thrown)?;
+        let canvas = self.canvas;
         let mut options = EarthOptions::new(layers);
-        options.uploaded = uploader.finish().map_err(thrown)?;
+        options.uploaded = uploaded;
         canvas.fit(&mut options);
-        options.anisotropy = anisotropy;
+        options.anisotropy = self.anisotropy;
         options.exposure = Exposure::Auto;
         options.pipelines = Pipelines::WhenNeeded;
+        let (device, queue) = (&canvas.device, &canvas.queue);
         let earth = Earth::create(device, queue, &options)
             .await
             .map_err(thrown)?;
-        said(&step, "sky").await?;
         let stars = stars.map(|bytes| StarCatalogue::from_bytes(&bytes));
         let what = CelestialOptions {
             stars: stars.transpose().map_err(thrown)?.map(Arc::new),
@@ -117,15 +116,72 @@ impl Globe {
             pitch_deg: -90.0,
             fov_deg: 40.0,
         });
-        Ok(Self {
+        Ok(Globe {
             canvas,
             earth,
             celestial,
+            incoming: None,
             eye: eye.ok_or_else(|| thrown("the first view is not finite"))?,
             satellites: Vec::new(),
             tracks: None,
+            has_sky: true,
             is_complete: true,
         })
+    }
+}
+
+/// The Earth on one canvas.
+#[wasm_bindgen]
+pub struct Globe {
+    canvas: Canvas,
+    earth: Earth,
+    celestial: Celestial,
+    /// Finer maps that are coming.
+    incoming: Option<Incoming>,
+    eye: Eye,
+    satellites: Vec<Satellite>,
+    tracks: Option<Tracks>,
+    /// Whether stars and Sun are drawn.
+    has_sky: bool,
+    is_complete: bool,
+}
+
+#[wasm_bindgen]
+impl Globe {
+    /// Uploads a band of rows of a finer map, as [`Opening::band`] does.
+    ///
+    /// # Errors
+    /// A map that is too large for the device.
+    pub fn band(
+        &mut self,
+        map: usize,
+        width: u32,
+        height: u32,
+        level: i32,
+        first: u32,
+        texels: &[u8],
+    ) -> Result<(), JsValue> {
+        let (device, queue) = (&self.canvas.device, &self.canvas.queue);
+        let incoming = self
+            .incoming
+            .get_or_insert_with(|| Incoming::new(device, queue));
+        let (map, rows) = ((map, width, height), (level, first));
+        incoming.band(device, map, rows, texels).map_err(thrown)
+    }
+
+    /// Draws with the finer maps that came, from the next frame on.
+    ///
+    /// # Errors
+    /// A map that the Earth has not, or that the device rejected.
+    #[wasm_bindgen(js_name = setMaps)]
+    pub fn set_maps(&mut self) -> Result<(), JsValue> {
+        let Some(incoming) = self.incoming.take() else {
+            return Ok(());
+        };
+        let (_, maps) = incoming.finish().map_err(thrown)?;
+        self.earth
+            .set_maps(&self.canvas.queue, &maps)
+            .map_err(thrown)
     }
 
     /// The backend and the adapter as text.
@@ -175,6 +231,84 @@ impl Globe {
             view.pitch_deg,
             view.fov_deg,
         ]
+    }
+
+    /// Sets the camera of another program: its place and axes in ITRF, metres, and its vertical field of view, degrees. Returns false for axes that
+    /// are no camera, which change nothing. The next change of the view ends it.
+    #[wasm_bindgen(js_name = setCamera)]
+    pub fn set_camera(
+        &mut self,
+        position: &[f64],
+        direction: &[f64],
+        up: &[f64],
+        fov: f64,
+    ) -> bool {
+        let axes =
+            [position, direction, up].map(|axis| axis.try_into().ok().map(DVec3::from_array));
+        let [Some(position), Some(direction), Some(up)] = axes else {
+            return false;
+        };
+        let eye = self.eye.free(position, direction, up, fov);
+        self.eye = eye.unwrap_or(self.eye);
+        eye.is_some()
+    }
+
+    /// Shows or hides parts of the Earth: clouds, night lights, terrain normals, water, atmosphere, stars and Sun.
+    ///
+    /// # Errors
+    /// A device that cannot draw it so. Nothing has then changed.
+    #[wasm_bindgen(js_name = setLayers)]
+    pub fn set_layers(
+        &mut self,
+        clouds: bool,
+        lights: bool,
+        relief: bool,
+        water: bool,
+        air: bool,
+        sky: bool,
+    ) -> Result<(), JsValue> {
+        let mut quality = self.earth.quality().clone();
+        for (layer, is_shown) in [
+            (MapLayer::Clouds, clouds),
+            (MapLayer::NightLights, lights),
+            (MapLayer::Normals, relief),
+            (MapLayer::Water, water),
+        ] {
+            quality.maps[layer.index()] = is_shown;
+        }
+        quality.atmosphere = match air {
+            true => Atmosphere::Billboard,
+            false => Atmosphere::None,
+        };
+        self.earth
+            .set_quality(&self.canvas.queue, &quality)
+            .map_err(thrown)?;
+        self.has_sky = sky;
+        Ok(())
+    }
+
+    /// Draws with all effects, or with the inexpensive ones of the default.
+    ///
+    /// # Errors
+    /// A device that cannot draw it so. Nothing has then changed.
+    #[wasm_bindgen(js_name = setFull)]
+    pub fn set_full(&mut self, is_full: bool) -> Result<(), JsValue> {
+        let mut appearance = self.earth.appearance().clone();
+        appearance.light.cloud_shadows = is_full;
+        appearance.light.moonlight = is_full;
+        appearance.light.airglow = is_full;
+        self.earth
+            .set_appearance(&self.canvas.queue, &appearance)
+            .map_err(thrown)
+    }
+
+    /// Draws so many pixels for each of the canvas, along either axis: 0.25 to 1.
+    ///
+    /// # Errors
+    /// An invalid shader.
+    #[wasm_bindgen(js_name = setScale)]
+    pub fn set_scale(&mut self, scale: f64) -> Result<(), JsValue> {
+        self.canvas.set_scale(scale).map_err(thrown)
     }
 
     /// Exposure value; not a number meters each frame.
@@ -232,8 +366,8 @@ impl Globe {
         self.eye.north_up(self.canvas.size());
     }
 
-    /// Draws the satellites of two-line elements or an OMM, or one of them by name or catalogue number; an empty text draws none. Returns their
-    /// names.
+    /// Draws the satellites of a text, as [`satellites::read`] takes it, or one of them by name or catalogue number; an empty text draws none. Returns
+    /// their names.
     ///
     /// # Errors
     /// The error in the text, with its line. The satellites are then unchanged.
@@ -256,15 +390,18 @@ impl Globe {
             }
         };
         self.satellites = feeds;
-        let names = self.satellites.iter().map(|feed| feed.name().to_owned());
+        let names = self
+            .satellites
+            .iter()
+            .map(|one| one.feed().name().to_owned());
         Ok(names.collect())
     }
 
-    /// The instant of a satellite's newest elements, milliseconds since 1970.
+    /// The epoch of a satellite's elements or its first state, milliseconds since 1970.
     #[wasm_bindgen(js_name = epochOf)]
     pub fn epoch_of(&self, satellite: usize) -> Option<f64> {
-        let feed = self.satellites.get(satellite)?;
-        Some(feed.epoch().to_unix_milliseconds())
+        let satellite = self.satellites.get(satellite)?;
+        Some(satellite.epoch().to_unix_milliseconds())
     }
 
     /// Draws the frame of an instant, milliseconds since 1970 (UTC). Answers whether it is whole: curves of satellites grow over some frames.
@@ -273,7 +410,7 @@ impl Globe {
     /// A canvas that gives no frame.
     pub fn draw(&mut self, unix_ms: f64) -> Result<bool, JsValue> {
         let epoch = Epoch::from_unix_milliseconds(unix_ms);
-        let size = self.canvas.size();
+        let size = self.canvas.drawn_size();
         let view = self.eye.eye_view(size);
         let (queue, orientation) = (&self.canvas.queue, Orientation::default());
         let sky = Sky::at(epoch);
@@ -299,14 +436,17 @@ impl Globe {
                 view: &view,
                 target: size.into(),
             };
-            let feeds = self.satellites.iter().map(|feed| feed as &dyn Feed);
+            let feeds = self.satellites.iter().map(Satellite::feed);
             self.is_complete = tracks.prepare(queue, &moment, feeds).is_complete;
         }
         let (earth, celestial, tracks) = (&self.earth, &self.celestial, &self.tracks);
+        let has_sky = self.has_sky;
         let drawn = self.canvas.draw(|pass| {
             earth.render_surface(pass);
             earth.render_air(pass);
-            celestial.render(pass);
+            if has_sky {
+                celestial.render(pass);
+            }
             earth.render_clouds_overhead(pass);
             if let Some(tracks) = tracks {
                 tracks.render(pass);
@@ -318,10 +458,11 @@ impl Globe {
 
     /// Where names of satellites belong in the frame drawn last: of each its place in the list, and x and y, pixels.
     pub fn labels(&self) -> Vec<f64> {
+        let scale = f64::from(self.canvas.drawn_size().0) / f64::from(self.canvas.size().0);
         let labels = self.tracks.iter().flat_map(|tracks| tracks.labels());
         let parts = labels.map(|label| {
-            let [x, y] = label.at_px;
-            [label.satellite as f64, x.into(), y.into()]
+            let [x, y] = label.at_px.map(|px| f64::from(px) / scale);
+            [label.satellite as f64, x, y]
         });
         parts.flatten().collect()
     }
@@ -342,11 +483,4 @@ impl Globe {
     pub fn destroy(&self) {
         self.canvas.device.destroy();
     }
-}
-
-/// Reports the next step to the page, and lets it draw.
-async fn said(step: &js_sys::Function, what: &str) -> Result<(), JsValue> {
-    let answer = step.call1(&JsValue::NULL, &JsValue::from_str(what))?;
-    JsFuture::from(js_sys::Promise::resolve(&answer)).await?;
-    Ok(())
 }

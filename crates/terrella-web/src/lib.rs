@@ -5,10 +5,13 @@
 
 #[cfg(target_family = "wasm")]
 mod canvas;
+mod compact;
 #[cfg_attr(not(target_family = "wasm"), allow(dead_code))]
 mod eye;
 #[cfg(target_family = "wasm")]
 mod globe;
+#[cfg(target_family = "wasm")]
+mod maps;
 // The window's camera: one place for its mathematics.
 #[allow(dead_code)]
 #[path = "../../terrella-play/src/orbit_camera.rs"]
@@ -20,4 +23,12 @@ mod pose;
 mod satellites;
 
 #[cfg(target_family = "wasm")]
-pub use globe::Globe;
+pub use globe::{Globe, Opening};
+#[cfg(target_family = "wasm")]
+pub use maps::decode_maps;
+
+/// An error of the page.
+#[cfg(target_family = "wasm")]
+fn thrown(error: impl std::fmt::Display) -> wasm_bindgen::JsValue {
+    js_sys::Error::new(&error.to_string()).into()
+}

@@ -1,7 +1,10 @@
-//! Satellites of a text of orbit elements, and how they are drawn.
+//! Satellites of a text, and how they are drawn.
 
 use std::path::Path;
-use terrella::orbit::{Catalogue, OrbitError, Sgp4Feed};
+use terrella::Epoch;
+use terrella::orbit::{
+    Catalogue, Ephemerides, EphemerisFeed, Feed, FileFormat, OrbitError, Sgp4Feed,
+};
 use terrella::tracks::{Footprint, TrackSpan, TrackStyle};
 
 /// Most satellites that have trail, ground track and footprint; of more each is a dot.
@@ -9,19 +12,71 @@ const WITH_TRACKS: usize = 10;
 /// Most satellites drawn of one text.
 pub const MOST: usize = 20_000;
 
-/// The satellites of two-line elements or an OMM; with a name or catalogue number only that one. Faulty sets are left out.
+/// A satellite of a text.
+pub enum Satellite {
+    /// Mean elements.
+    Elements(Sgp4Feed),
+    /// States over time.
+    States(EphemerisFeed),
+}
+
+impl Satellite {
+    pub fn feed(&self) -> &dyn Feed {
+        match self {
+            Self::Elements(feed) => feed,
+            Self::States(feed) => feed,
+        }
+    }
+
+    /// The epoch of its elements, or that of its first state.
+    pub fn epoch(&self) -> Epoch {
+        match self {
+            Self::Elements(feed) => feed.epoch(),
+            Self::States(feed) => feed.validity().0,
+        }
+    }
+}
+
+/// The satellites of a text: two-line elements, an OMM, OEM, CZML, SP3, an STK ephemeris or states in columns. With a name or catalogue number only
+/// that one. Faulty satellites are left out.
 ///
 /// # Errors
 /// A text without a satellite, or without one of that name: names the place and the reason.
-pub fn read(text: &str, name: Option<&str>) -> Result<Vec<Sgp4Feed>, OrbitError> {
-    let origin = Path::new("elements");
-    let catalogue = Catalogue::from_text(text, origin, false)?;
-    if name.is_some() {
-        return Ok(vec![catalogue.into_one(origin, name)?]);
+pub fn read(text: &str, name: Option<&str>) -> Result<Vec<Satellite>, OrbitError> {
+    let origin = Path::new("satellites");
+    match FileFormat::of_text(text) {
+        Some(
+            FileFormat::Oem
+            | FileFormat::Czml
+            | FileFormat::Csv
+            | FileFormat::Sp3
+            | FileFormat::Stk,
+        ) => {
+            let mut states = Ephemerides::from_text(text, origin, false)?;
+            let feeds = match name {
+                Some(_) => vec![states.one(origin, name)?],
+                None => std::mem::take(&mut states.feeds),
+            };
+            Ok(feeds
+                .into_iter()
+                .take(MOST)
+                .map(Satellite::States)
+                .collect())
+        }
+        // The reader of elements also explains texts of no format.
+        _ => {
+            let catalogue = Catalogue::from_text(text, origin, false)?;
+            let feeds = match name {
+                Some(_) => vec![catalogue.into_one(origin, name)?],
+                None => catalogue.feeds,
+            };
+            Ok(feeds
+                .into_iter()
+                .take(MOST)
+                .map(Satellite::Elements)
+                .collect())
+        }
     }
-    let mut feeds = catalogue.feeds;
-    feeds.truncate(MOST);
-    Ok(feeds)
 }
 
 /// How so many satellites are drawn.
@@ -61,7 +116,20 @@ mod tests {
         let error = read(ISS, Some("HUBBLE"))
             .expect_err("not there")
             .to_string();
-        assert!(error.contains("elements"), "{error}");
+        assert!(error.contains("satellites"), "{error}");
         assert!(read("no elements", None).is_err());
+    }
+
+    #[test]
+    fn ephemerides_are_read_too() {
+        let czml = r#"[{"id": "document", "version": "1.0"}, {"id": "A", "name": "Alpha", "position": {"epoch": "2026-01-01T00:00:00Z",
+            "referenceFrame": "INERTIAL", "cartesian": [0, 7000000, 0, 0, 60, 6990000, 450000, 0, 120, 6960000, 900000, 0]}}]"#;
+        let satellites = read(czml, None).expect("sound states");
+        assert_eq!(satellites[0].feed().name(), "Alpha");
+        assert_eq!(
+            satellites[0].epoch().to_unix_milliseconds(),
+            1_767_225_600_000.0
+        );
+        assert!(read(czml, Some("Beta")).is_err());
     }
 }

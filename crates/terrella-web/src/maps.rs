@@ -1,0 +1,225 @@
+//! Maps that a worker decodes: read there and sent in bands of rows, uploaded here.
+
+use crate::thrown;
+use std::cell::RefCell;
+use std::collections::HashMap;
+use terrella::{
+    EarthLayers, LayerImage, LayerSelection, MapBands, MapError, MapLayer, MapRows, MapSink,
+    MapUploader, TexelFormat, UploadedMaps, load_layers_to, wgpu,
+};
+use wasm_bindgen::prelude::{JsCast, JsValue, wasm_bindgen};
+
+/// Size of a band, bytes: a message takes a millisecond or two.
+const BAND_BYTES: usize = 1 << 20;
+
+/// How the texels of a map are stored.
+fn format_of(layer: MapLayer) -> TexelFormat {
+    match layer {
+        MapLayer::Day => TexelFormat::Rgba8Srgb,
+        MapLayer::Normals => TexelFormat::Rg8Snorm,
+        MapLayer::Clouds | MapLayer::NightLights | MapLayer::Water => TexelFormat::R8Unorm,
+    }
+}
+
+/// Decodes maps: an object of `Uint8Array`s by the names of the starter maps (`day.jpg`, `clouds.jpg`, `elevation.png`, `night_lights.png`,
+/// `water.png`), of which the first must be there. For a worker. `take` is called with each band: number of the map, its width and height, level, first
+/// row, and texels; after the last band of a map with the level −1.
+///
+/// # Errors
+/// The first map that cannot be read.
+#[wasm_bindgen(js_name = decodeMaps)]
+pub fn decode_maps(maps: js_sys::Object, take: js_sys::Function) -> Result<(), JsValue> {
+    let mut files = HashMap::new();
+    for entry in js_sys::Object::entries(&maps).iter() {
+        let pair: js_sys::Array = entry.unchecked_into();
+        let name = pair.get(0).as_string().unwrap_or_default();
+        let bytes: js_sys::Uint8Array = pair.get(1).dyn_into().map_err(|_| {
+            thrown(format!(
+                "the map {name} is no Uint8Array; give the bytes of its file"
+            ))
+        })?;
+        files.insert(name, bytes.to_vec());
+    }
+    drop(maps);
+    let has = |name: &str| files.contains_key(name);
+    let selection = LayerSelection {
+        clouds: has("clouds.jpg") || has("clouds.png"),
+        normals: has("elevation.png"),
+        night_lights: has("night_lights.png"),
+        water: has("water.png"),
+    };
+    let sink = Sender {
+        take,
+        failed: RefCell::new(None),
+    };
+    let (_, damaged) = load_layers_to(&files, selection, &sink).map_err(thrown)?;
+    match (sink.failed.into_inner(), damaged.into_iter().next()) {
+        (Some(error), _) => Err(error),
+        (None, Some(damaged)) => Err(thrown(damaged.error)),
+        (None, None) => Ok(()),
+    }
+}
+
+/// Sends maps to the page.
+struct Sender {
+    take: js_sys::Function,
+    /// The first error of a call.
+    failed: RefCell<Option<JsValue>>,
+}
+
+struct Sent<'s> {
+    sender: &'s Sender,
+    layer: MapLayer,
+    size: (u32, u32),
+    bands: MapBands,
+}
+
+impl Sender {
+    fn send(&self, layer: MapLayer, size: (u32, u32), level: i32, first: u32, texels: &[u8]) {
+        let arguments = js_sys::Array::new();
+        for number in [layer.index() as u32, size.0, size.1] {
+            arguments.push(&number.into());
+        }
+        arguments.push(&level.into());
+        arguments.push(&first.into());
+        arguments.push(&js_sys::Uint8Array::from(texels));
+        if let Err(error) = self.take.apply(&JsValue::NULL, &arguments) {
+            self.failed.borrow_mut().get_or_insert(error);
+        }
+    }
+}
+
+impl MapSink for Sender {
+    fn begin(
+        &self,
+        layer: MapLayer,
+        (width, height): (u32, u32),
+        format: TexelFormat,
+    ) -> Option<Box<dyn MapRows + '_>> {
+        let map = LayerImage {
+            width,
+            height,
+            format,
+            levels: [].into(),
+        };
+        Some(Box::new(Sent {
+            sender: self,
+            layer,
+            size: (width, height),
+            bands: MapBands::new(&map, BAND_BYTES),
+        }))
+    }
+}
+
+impl MapRows for Sent<'_> {
+    fn rows(&mut self, level: usize, first: u32, texels: &[u8]) {
+        let (sender, layer, size) = (self.sender, self.layer, self.size);
+        self.bands.rows(level, first, texels, |level, first, band| {
+            sender.send(layer, size, level as i32, first, band);
+        });
+    }
+
+    fn finish(self: Box<Self>) {
+        self.sender.send(self.layer, self.size, -1, 0, &[]);
+    }
+}
+
+/// Maps that are coming from a worker.
+pub struct Incoming {
+    uploader: MapUploader,
+    coming: [Option<Box<dyn MapRows>>; MapLayer::ALL.len()],
+    /// Descriptions of the maps that came.
+    came: [Option<LayerImage>; MapLayer::ALL.len()],
+}
+
+/// Why maps that came cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum IncomingError {
+    /// The map is larger than the device's textures.
+    #[error(
+        "the {layer} map has {width} × {height} texels; this device takes {limit} a side, give a smaller map"
+    )]
+    TooLarge {
+        layer: &'static str,
+        width: u32,
+        height: u32,
+        limit: u32,
+    },
+    /// The day map did not come.
+    #[error("the day map is missing; give day.jpg")]
+    NoDay,
+    /// The device rejected a map.
+    #[error(transparent)]
+    Map(#[from] MapError),
+}
+
+impl Incoming {
+    /// For this device.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
+        Self {
+            uploader: MapUploader::new(device, queue, Default::default()),
+            coming: Default::default(),
+            came: Default::default(),
+        }
+    }
+
+    /// Takes a band of [`decode_maps`].
+    ///
+    /// # Errors
+    /// A map that is too large.
+    pub fn band(
+        &mut self,
+        device: &wgpu::Device,
+        (map, width, height): (usize, u32, u32),
+        (level, first): (i32, u32),
+        texels: &[u8],
+    ) -> Result<(), IncomingError> {
+        let Some(layer) = MapLayer::ALL.get(map).copied() else {
+            return Ok(());
+        };
+        let rows = match &mut self.coming[map] {
+            Some(rows) => rows,
+            none => {
+                let format = format_of(layer);
+                let rows = self.uploader.rows(layer, (width, height), format);
+                let rows = rows.ok_or(IncomingError::TooLarge {
+                    layer: layer.name(),
+                    width,
+                    height,
+                    limit: device.limits().max_texture_dimension_2d,
+                })?;
+                none.insert(rows)
+            }
+        };
+        if let Ok(level) = usize::try_from(level) {
+            rows.rows(level, first, texels);
+            return Ok(());
+        }
+        if let Some(rows) = self.coming[map].take() {
+            rows.finish();
+        }
+        self.came[map] = Some(LayerImage {
+            width,
+            height,
+            format: format_of(layer),
+            levels: [].into(),
+        });
+        Ok(())
+    }
+
+    /// The maps, after all have come.
+    ///
+    /// # Errors
+    /// A missing day map, or one that the device rejected.
+    pub fn finish(self) -> Result<(EarthLayers, UploadedMaps), IncomingError> {
+        let [day, clouds, normals, night_lights, water] = self.came;
+        let layers = EarthLayers {
+            day: day.ok_or(IncomingError::NoDay)?,
+            clouds,
+            normals,
+            night_lights,
+            water,
+        };
+        Ok((layers, self.uploader.finish()?))
+    }
+}
