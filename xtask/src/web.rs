@@ -1,5 +1,6 @@
 //! `cargo xtask web`: the Earth for web pages, built, served on this machine and tested in a browser.
 
+mod data;
 mod serve;
 mod toolchain;
 
@@ -142,9 +143,18 @@ fn build(dist: &Path) -> anyhow::Result<()> {
         let wasm = target(backend).join("wasm32-unknown-unknown/release/terrella_web.wasm");
         let mut bind = Command::new(&bindgen);
         bind.args(["--target", "web", "--no-typescript", "--out-name", backend]);
+        bind.args(["--remove-name-section", "--remove-producers-section"]);
         process::run(bind.arg("--out-dir").arg(&module).arg(wasm))?;
     }
     copy_pages(dist)?;
+    data::write_previews(
+        &repository_root().join("textures"),
+        &module.join("maps/preview"),
+    )?;
+    data::write_air(
+        &repository_root().join(data::TABLES),
+        &module.join("data/air.bin"),
+    )?;
     for backend in BACKENDS {
         let file = module.join(format!("{backend}_bg.wasm"));
         let bytes = fs::metadata(&file).map_or(0, |found| found.len());
@@ -167,6 +177,8 @@ fn copy_pages(dist: &Path) -> anyhow::Result<()> {
             copy_whole(&path, &to.join(name), false)?;
         }
     }
+    let tile = root.join("crates/terrella-imagery/data/detail_tile.jpg");
+    copy_whole(&tile, &dist.join("terrella/data/detail_tile.jpg"), false)?;
     for name in MAPS {
         let to = dist.join("terrella/maps").join(name);
         copy_whole(&root.join("textures").join(name), &to, false)?;
@@ -186,7 +198,8 @@ fn test(dist: &Path, program: Option<PathBuf>, only: Option<String>) -> anyhow::
             .terrella
             .context("cargo built no program")?,
     };
-    draw_natively(&program, &tests.join("views.json"), &native)?;
+    let maps = dist.join("terrella/maps");
+    draw_natively(&program, &tests.join("views.json"), &maps, &native)?;
     let tools = root.join("target/web/tools");
     fs::create_dir_all(&tools).with_context(|| tools.display().to_string())?;
     if !tools.join("node_modules/playwright-core").exists() {
@@ -211,15 +224,16 @@ fn test(dist: &Path, program: Option<PathBuf>, only: Option<String>) -> anyhow::
     process::run(node.current_dir(&tools))
 }
 
-/// Draws each view of the list with the native program.
-fn draw_natively(program: &Path, views: &Path, to: &Path) -> anyhow::Result<()> {
+/// Draws each view of the list with the native program and the page's maps.
+fn draw_natively(program: &Path, views: &Path, maps: &Path, to: &Path) -> anyhow::Result<()> {
+    let maps = fs::canonicalize(maps).with_context(|| maps.display().to_string())?;
     let text = fs::read_to_string(views).with_context(|| views.display().to_string())?;
     let views: Vec<Value> = serde_json::from_str(&text).context("views.json is no list")?;
     fs::create_dir_all(to).with_context(|| to.display().to_string())?;
     for view in &views {
         let name = view["name"].as_str().context("a view without a name")?;
         let scene = to.join(format!("{name}.toml"));
-        write_bytes(&scene, scene_of(view).as_bytes())?;
+        write_bytes(&scene, scene_of(view, &maps).as_bytes())?;
         let mut draw = Command::new(program);
         draw.arg("frame")
             .arg(&scene)
@@ -230,12 +244,13 @@ fn draw_natively(program: &Path, views: &Path, to: &Path) -> anyhow::Result<()> 
 }
 
 /// The scene file of a view: only the Earth, its atmosphere, stars and Sun, as a page draws them.
-fn scene_of(view: &Value) -> String {
+fn scene_of(view: &Value, maps: &Path) -> String {
     let kilometres = view["altitude"].as_f64().unwrap_or_default() / 1000.0;
     format!(
-        "[time]\nstart = {}\n\n[camera]\nmode = \"geodetic\"\nlat_deg = {}\nlon_deg = {}\nheight_km = {kilometres}\nheading_deg = {}\n\
+        "[time]\nstart = {}\n\n[earth]\ntextures = {:?}\n\n[camera]\nmode = \"geodetic\"\nlat_deg = {}\nlon_deg = {}\nheight_km = {kilometres}\nheading_deg = {}\n\
          pitch_deg = {}\nfov_deg = {}\n\n[sky]\nglare = true\n\n[output]\nsamples = 4\nexposure_ev = {}\n",
         view["epoch"],
+        maps.display().to_string(),
         view["lat"],
         view["lon"],
         view["heading"],

@@ -92,13 +92,8 @@ pub fn bindgen(package: &Path) -> anyhow::Result<PathBuf> {
     }
     say("wasm-bindgen is compiled once, which takes some minutes");
     let mut install = cargo::cargo();
-    install.args([
-        "install",
-        "wasm-bindgen-cli",
-        "--locked",
-        "--version",
-        version,
-    ]);
+    // Without `--locked`: the registry may not have all versions of the lock.
+    install.args(["install", "wasm-bindgen-cli", "--version", version]);
     process::run(install.arg("--root").arg(&tools))?;
     if !has_version(&own) {
         bail!("{} is not of version {version}", own.display());
