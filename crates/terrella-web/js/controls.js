@@ -8,12 +8,17 @@ const WHEEL_UNITS_PX = [1, 20, 400];
 const KEY_PX = 40;
 const KEY_FACTOR = 1.25;
 
+/** How far a click may move, pixels of the page. */
+const CLICK_PX = 4;
+
 export class Controls {
   #canvas;
   #earth;
   /** Positions of the pressed pointers by id, in canvas pixels. */
   #pointers = new Map();
   #isTilting = false;
+  /** How far the pointers have moved since the last was pressed, canvas pixels. */
+  #travelled = 0;
   #abort = new AbortController();
 
   constructor(canvas, earth) {
@@ -57,6 +62,7 @@ export class Controls {
     } catch {
       // A synthetic pointer cannot be captured.
     }
+    this.#travelled = 0;
     this.#isTilting = event.button === 2 || event.shiftKey || event.ctrlKey;
     this.#pointers.set(event.pointerId, this.#pixel(event));
     this.#earth.grab(...this.#pinch().middle);
@@ -67,6 +73,7 @@ export class Controls {
     const before = this.#pinch();
     this.#pointers.set(event.pointerId, this.#pixel(event));
     const after = this.#pinch();
+    this.#travelled += Math.hypot(after.middle[0] - before.middle[0], after.middle[1] - before.middle[1]);
     if (this.#isTilting && this.#pointers.size === 1) {
       this.#earth.tilt(after.middle[0] - before.middle[0], after.middle[1] - before.middle[1]);
       return;
@@ -78,7 +85,10 @@ export class Controls {
   }
 
   #up(event) {
-    if (this.#pointers.delete(event.pointerId) && this.#pointers.size > 0) this.#earth.grab(...this.#pinch().middle);
+    const isClick = event.type === "pointerup" && this.#pointers.size === 1 && this.#travelled < CLICK_PX * devicePixelRatio;
+    if (!this.#pointers.delete(event.pointerId)) return;
+    if (this.#pointers.size > 0) this.#earth.grab(...this.#pinch().middle);
+    else if (isClick && !this.#isTilting) this.#earth.click(...this.#pixel(event));
   }
 
   #wheel(event) {

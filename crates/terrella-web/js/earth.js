@@ -1,24 +1,18 @@
 // The Earth on a canvas: picks a backend, loads maps, draws when something has changed.
 
 import { Controls } from "./controls.js";
-
-/** Files of the maps; all but the first may be missing. */
-const MAP_FILES = ["day.jpg", "clouds.jpg", "elevation.png", "night_lights.png", "water.png", "stars.bin"];
-
-/** The wasm files of the backends, relative to this module. Literals, so that bundlers find them. */
-const BACKENDS = {
-  webgpu: {
-    module: () => import("./webgpu.js"),
-    wasm: () => new URL("./webgpu_bg.wasm", import.meta.url),
-  },
-  webgl: {
-    module: () => import("./webgl.js"),
-    wasm: () => new URL("./webgl_bg.wasm", import.meta.url),
-  },
-};
+import { Decoder } from "./decoder.js";
+import { BACKENDS, MAPS, PREVIEW_MAPS } from "./files.js";
+import { loadBackend, loadMaps, mapSources } from "./load.js";
 
 /** Interval between checks for device faults while nothing is drawn, milliseconds. */
 const FAULT_INTERVAL_MS = 1000;
+/** The catalogue of stars among the maps. */
+const STARS = "stars.bin";
+/** Progress when the first maps are loaded, when they are decoded, and when the first picture can be drawn. */
+const PART_LOADED = 0.3;
+const PART_DECODED = 0.4;
+export const FIRST_PICTURE = 0.5;
 /** Names of a view's numbers, in order. */
 const VIEW_KEYS = ["lat", "lon", "altitude", "heading", "pitch", "fov"];
 
@@ -35,115 +29,118 @@ async function availableBackend() {
   );
 }
 
-/** The bytes of a map, as given or fetched; `undefined` if an optional map is missing. */
-async function mapBytes(name, source, signal, count) {
-  if (source instanceof ArrayBuffer) return new Uint8Array(source);
-  if (ArrayBuffer.isView(source)) return new Uint8Array(source.buffer, source.byteOffset, source.byteLength);
-  const response = await fetch(source, { signal }).catch((cause) => {
-    if (signal?.aborted) throw cause;
-    throw new Error(`The map ${name} could not be loaded from ${source}: ${cause.message}. Check the address and the connection.`);
-  });
-  if (response.status === 404 && name !== MAP_FILES[0]) return undefined;
-  if (!response.ok) {
-    throw new Error(`The map ${name} could not be loaded: ${source} answered ${response.status}. Check the address.`);
-  }
-  const chunks = [];
-  let length = 0;
-  const reader = response.body.getReader();
-  count(0, Number(response.headers.get("content-length")) || 0);
-  for (let part = await reader.read(); !part.done; part = await reader.read()) {
-    chunks.push(part.value);
-    length += part.value.length;
-    count(part.value.length, 0);
-  }
-  const bytes = new Uint8Array(length);
-  let at = 0;
-  for (const chunk of chunks) {
-    bytes.set(chunk, at);
-    at += chunk.length;
-  }
-  return bytes;
-}
-
-/** All maps by name. `maps` is the URL of a folder, or an object of URLs or bytes. */
-async function loadMaps(maps, signal, progress) {
-  const isFolder = typeof maps === "string" || maps instanceof URL;
-  const folder = isFolder ? new URL(maps, document.baseURI) : null;
-  if (folder && !folder.pathname.endsWith("/")) folder.pathname += "/";
-  const wanted = folder ? MAP_FILES.map((name) => [name, new URL(name, folder)]) : Object.entries(maps);
-  let [came, expected] = [0, 0];
-  const count = (more, announced) => {
-    came += more;
-    expected += announced;
-    progress(expected ? Math.min(came / expected, 1) : 0);
-  };
-  const loads = wanted.map(async ([name, source]) => [name, await mapBytes(name, source, signal, count)]);
-  const files = await Promise.all(loads);
-  return Object.fromEntries(files.filter(([, bytes]) => bytes));
-}
-
-/** Lets the page draw before a long step. */
-const breathe = () => new Promise((resolve) => setTimeout(resolve));
-
 const milliseconds = (epoch) => {
   const ms = epoch instanceof Date ? epoch.getTime() : typeof epoch === "string" ? (epoch === "now" ? Date.now() : Date.parse(epoch)) : Number(epoch);
   if (!Number.isFinite(ms)) throw new TypeError(`The epoch ${epoch} is no date; write it as 2026-01-31T12:00:00Z, or now.`);
   return ms;
 };
 
+/** Parts that can be hidden, in the order of the wasm function. */
+const LAYERS = ["clouds", "lights", "relief", "water", "air", "sky"];
+const LOOKS = ["standard", "full"];
+/** With `resolution` "auto": the longest frame, the time without frames after which the picture is sharpened, milliseconds; and the steps. */
+const SLOW_FRAME_MS = 50;
+const STILL_MS = 250;
+const FINER = 1.25;
+const COARSEST = 0.4;
+/** Frames whose median time is judged. */
+const JUDGED_FRAMES = 8;
+
 export class TerrellaEarth extends EventTarget {
   #globe;
   #canvas;
   #controls;
+  #decoder;
   #lostPrefix;
   #faultTimer;
   #request = 0;
   #rate = 0;
+  #hidden = [];
+  #look = "standard";
+  #resolution = "auto";
+  /** Pixels drawn for each of the canvas, along either axis. */
+  #scale = 1;
+  #frameTimes = [];
+  #lastFrame = -Infinity;
+  #sharpening = 0;
   #exposure = "auto";
   /** The displayed instant at a time of the page's clock. */
   #shown = { ms: Date.now(), at: performance.now() };
   #isVisible = true;
   #isLost = false;
   #names = [];
+  /** Settles when the whole maps are drawn. */
+  complete = Promise.resolve();
 
   /** Creates the Earth on a canvas without a context; see terrella.d.ts. */
   static async create(canvas, options = {}) {
-    const { maps = new URL("./maps/", import.meta.url), backend = "auto", samples = 4, anisotropy = 8, signal, controls = true } = options;
+    const { maps = MAPS, backend = "auto", samples = 4, anisotropy = 8, signal, controls = true } = options;
+    const preview = options.preview ?? (options.maps ? undefined : PREVIEW_MAPS);
     const progress = options.progress ?? (() => {});
     progress(0, "loading");
     const kind = backend === "auto" ? await availableBackend() : backend;
     if (!BACKENDS[kind]) throw new TypeError(`There is no backend ${kind}; write auto, webgpu or webgl.`);
-    const wasm = options.wasm?.[kind] ?? BACKENDS[kind].wasm();
-    const [module, files] = await Promise.all([
-      BACKENDS[kind].module().then(async (module) => {
-        await module.default({ module_or_path: wasm });
-        return module;
-      }),
-      loadMaps(maps, signal, (part) => progress(0.7 * part, "loading")),
-    ]);
-    signal?.throwIfAborted();
-    const parts = { maps: 0.75, air: 0.85, sky: 0.95 };
-    const step = (what) => {
-      progress(parts[what] ?? 0.7, what);
-      signal?.throwIfAborted();
-      return breathe();
-    };
+    const { [STARS]: stars, ...whole } = mapSources(maps, Object.keys(MAPS));
+    const first = preview ? mapSources(preview, Object.keys(PREVIEW_MAPS)) : whole;
+    const loading = loadMaps(stars ? { ...first, [STARS]: stars } : first, signal, (part) => progress(PART_LOADED * part, "loading"));
+    // It is awaited below, and fails there.
+    loading.catch(() => {});
+    const { module, compiled } = await loadBackend(kind, options.wasm?.[kind]);
+    const decoder = new Decoder(kind, compiled);
+    signal?.addEventListener("abort", () => decoder.end(), { once: true });
     const earth = new TerrellaEarth();
-    earth.#canvas = canvas;
-    earth.backend = kind;
-    earth.#globe = await module.Globe.create(canvas, files, samples, anisotropy, step);
-    if (signal?.aborted) {
+    try {
+      const opening = module.Opening.open(canvas, samples, anisotropy);
+      opening.catch(() => {});
+      const { [STARS]: starBytes, ...files } = await loading;
+      const opened = await opening;
+      progress(PART_LOADED, "maps");
+      await decoder.decode(files, (...band) => opened.band(...band));
+      signal?.throwIfAborted();
+      progress(PART_DECODED, "air");
+      earth.#globe = await opened.finish(starBytes);
+      signal?.throwIfAborted();
+    } catch (error) {
+      decoder.end();
       earth.free();
-      signal.throwIfAborted();
+      throw error;
     }
+    earth.#canvas = canvas;
+    earth.#decoder = decoder;
+    earth.backend = kind;
     earth.#lostPrefix = module.Globe.lostPrefix();
     earth.#faultTimer = setInterval(() => earth.#tellFaults(), FAULT_INTERVAL_MS);
     canvas.addEventListener("webglcontextlost", earth.#contextLost);
     document.addEventListener("visibilitychange", earth.#visibilityChanged);
     if (controls) earth.#controls = new Controls(canvas, earth);
-    progress(1, "ready");
+    progress(FIRST_PICTURE, "ready");
+    earth.complete = preview ? earth.#refine(whole, signal, progress) : Promise.resolve(progress(1, "complete"));
+    // It is told by an event too.
+    earth.complete.catch(() => {});
     earth.invalidate();
     return earth;
+  }
+
+  /** Replaces the small maps by the whole ones. */
+  async #refine(sources, signal, progress) {
+    try {
+      const part = (part) => progress(FIRST_PICTURE + (1 - FIRST_PICTURE) * part, "refining");
+      const files = await loadMaps(sources, signal, (loaded) => part(PART_LOADED * loaded));
+      await this.#decoder?.decode(files, (...band) => this.#globe?.band(...band));
+      if (!this.#globe) return;
+      this.#globe.setMaps();
+      progress(1, "complete");
+      this.dispatchEvent(new CustomEvent("complete"));
+      this.invalidate();
+    } catch (error) {
+      // A freed Earth wants no maps.
+      if (!this.#globe || signal?.aborted) return;
+      this.#fail(error);
+      throw error;
+    } finally {
+      this.#decoder?.end();
+      this.#decoder = null;
+    }
   }
 
   #contextLost = (event) => {
@@ -175,6 +172,56 @@ export class TerrellaEarth extends EventTarget {
       throw new TypeError(`The view ${JSON.stringify(change)} has something that is no finite number.`);
     }
     this.#moved();
+  }
+
+  /**
+   * Takes over the camera of another program: place and axes in ITRF, metres, and the vertical field of view, degrees. Roll is kept. The next change of
+   * the view ends it.
+   */
+  setCamera({ position, direction, up, fov }) {
+    if (!this.#alive.setCamera(Float64Array.from(position), Float64Array.from(direction), Float64Array.from(up), Number(fov))) {
+      throw new TypeError("The camera needs position, direction and up as three finite numbers each, and a fov; direction and up must not be parallel.");
+    }
+    this.invalidate();
+  }
+
+  /** Hidden parts, an array or text of the words clouds, lights, relief, water, air, sky. */
+  get hide() {
+    return [...this.#hidden];
+  }
+
+  set hide(parts) {
+    const hidden = (Array.isArray(parts) ? parts : String(parts).split(/[\s,]+/)).filter((part) => part);
+    const unknown = hidden.find((part) => !LAYERS.includes(part));
+    if (unknown) throw new TypeError(`There is no part ${unknown} to hide; write some of ${LAYERS.join(", ")}.`);
+    this.#alive.setLayers(...LAYERS.map((layer) => !hidden.includes(layer)));
+    this.#hidden = hidden;
+    this.invalidate();
+  }
+
+  /** "standard", or "full" with cloud shadows, moonlight and airglow. */
+  get look() {
+    return this.#look;
+  }
+
+  set look(look) {
+    if (!LOOKS.includes(look)) throw new TypeError(`There is no look ${look}; write standard or full.`);
+    this.#alive.setFull(look === "full");
+    this.#look = look;
+    this.invalidate();
+  }
+
+  /** Pixels drawn for each of the canvas, along either axis: 0.25 to 1, or "auto", which draws fewer while frames are slow. */
+  get resolution() {
+    return this.#resolution;
+  }
+
+  set resolution(resolution) {
+    const number = resolution === "auto" ? 1 : Number(resolution);
+    if (!(number >= 0.25 && number <= 1)) throw new TypeError(`The resolution ${resolution} is no number from 0.25 to 1; write one, or auto.`);
+    this.#resolution = resolution === "auto" ? "auto" : number;
+    this.#setScale(number);
+    this.invalidate();
   }
 
   get epoch() {
@@ -241,6 +288,18 @@ export class TerrellaEarth extends EventTarget {
     return place ? { lat: place[0], lon: place[1] } : null;
   }
 
+  /** The satellite whose marker in the last frame is nearest to a canvas pixel, within so many pixels; null without one. */
+  pickSatellite(x, y, within = 12 * devicePixelRatio) {
+    const far = (label) => Math.hypot(label.x - x, label.y - y);
+    const nearest = this.labels.reduce((best, label) => (!best || far(label) < far(best) ? label : best), null);
+    return nearest && far(nearest) <= within ? { index: nearest.index, name: nearest.name } : null;
+  }
+
+  /** Sends the event `pick` for a canvas pixel. */
+  click(x, y) {
+    this.dispatchEvent(new CustomEvent("pick", { detail: { x, y, place: this.pick(x, y), satellite: this.pickSatellite(x, y) } }));
+  }
+
   grab(x, y) {
     this.#alive.grab(x, y);
   }
@@ -290,6 +349,7 @@ export class TerrellaEarth extends EventTarget {
     if (this.#request || !this.#globe || this.#isLost || !isSeen) return;
     this.#request = requestAnimationFrame((now) => {
       this.#request = 0;
+      this.#adapt(now);
       const isWhole = this.draw(this.#epochAt(now));
       if (this.#rate !== 0 || !isWhole) this.invalidate();
     });
@@ -320,15 +380,50 @@ export class TerrellaEarth extends EventTarget {
   /** Frees memory and device. */
   free() {
     if (!this.#globe) return;
+    this.#decoder?.end();
+    this.#decoder = null;
     this.#controls?.detach();
     clearInterval(this.#faultTimer);
     cancelAnimationFrame(this.#request);
-    this.#canvas.removeEventListener("webglcontextlost", this.#contextLost);
+    clearTimeout(this.#sharpening);
+    this.#canvas?.removeEventListener("webglcontextlost", this.#contextLost);
     document.removeEventListener("visibilitychange", this.#visibilityChanged);
     const globe = this.#globe;
     this.#globe = null;
     globe.destroy();
     globe.free();
+  }
+
+  #setScale(scale) {
+    if (scale === this.#scale) return;
+    this.#alive.setScale(scale);
+    this.#scale = scale;
+    this.#frameTimes = [];
+  }
+
+  /** Draws fewer pixels while frames follow each other too slowly, and all of them once nothing moves. */
+  #adapt(now) {
+    const since = now - this.#lastFrame;
+    this.#lastFrame = now;
+    clearTimeout(this.#sharpening);
+    if (this.#resolution !== "auto") return;
+    if (this.#scale < 1) {
+      this.#sharpening = setTimeout(() => {
+        if (!this.#globe || this.#isLost) return;
+        this.#setScale(1);
+        this.draw();
+      }, STILL_MS);
+    }
+    if (since > STILL_MS) {
+      this.#frameTimes = [];
+      return;
+    }
+    this.#frameTimes.push(since);
+    if (this.#frameTimes.length < JUDGED_FRAMES) return;
+    const median = this.#frameTimes.sort((a, b) => a - b)[JUDGED_FRAMES / 2];
+    this.#frameTimes = [];
+    if (median > SLOW_FRAME_MS) this.#setScale(Math.max(COARSEST, this.#scale / FINER));
+    else if (median < SLOW_FRAME_MS / 3) this.#setScale(Math.min(1, this.#scale * FINER));
   }
 
   #epochAt(now) {

@@ -26,6 +26,8 @@ export interface View {
 export interface Options {
   /** By default the folder `maps/` beside this module. */
   maps?: Maps;
+  /** Small versions of the maps for the first picture; by default the folder `maps/preview/` beside this module, and none for other maps. */
+  preview?: Maps;
   /** By default the files beside this module. */
   wasm?: Wasm;
   /** By default WebGPU where the browser has an adapter, else WebGL2. */
@@ -38,8 +40,28 @@ export interface Options {
   controls?: boolean;
   /** Ends the loading. */
   signal?: AbortSignal;
-  /** How much is loaded, 0…1, and what is going on. */
+  /** How much is loaded, 0…1, and what is going on. The first picture can be drawn at 0.5. */
   progress?: (part: number, what: string) => void;
+}
+
+/** A camera of another program: ITRF axes, metres, and the vertical field of view, degrees. */
+export interface Camera {
+  position: ArrayLike<number>;
+  direction: ArrayLike<number>;
+  up: ArrayLike<number>;
+  fov: number;
+}
+
+/** A part of the picture that can be hidden. */
+export type Layer = "clouds" | "lights" | "relief" | "water" | "air" | "sky";
+
+/** What a click met. */
+export interface Pick {
+  x: number;
+  y: number;
+  /** The ground there, degrees; null beside the globe. */
+  place: { lat: number; lon: number } | null;
+  satellite: { index: number; name: string } | null;
 }
 
 /** A name beside a satellite, in pixels of the canvas. */
@@ -62,6 +84,17 @@ export class TerrellaEarth extends EventTarget {
   /** Reading gives all numbers; what is assigned may have some of them. */
   get view(): View;
   set view(change: Partial<View>);
+  /** Takes over the camera of another program, roll included, until the view is changed. */
+  setCamera(camera: Camera): void;
+  /** Parts that are not drawn. Takes text with blanks between the words too. */
+  get hide(): Layer[];
+  set hide(parts: Layer[] | string);
+  /** "full" adds cloud shadows, moonlight and airglow. */
+  look: "standard" | "full";
+  /** Pixels drawn for each of the canvas, along either axis: 0.25…1, or "auto", the default, which draws fewer while frames are slow. */
+  resolution: number | "auto";
+  /** Settles when the whole maps are drawn in place of the first, small ones. */
+  readonly complete: Promise<void>;
   /** The instant shown. Takes milliseconds since 1970 (UTC), RFC 3339 text and "now" too. */
   get epoch(): Date;
   set epoch(epoch: Date | number | string);
@@ -71,13 +104,20 @@ export class TerrellaEarth extends EventTarget {
   exposure: number | "auto";
   /** Names of the satellites drawn. */
   readonly satellites: string[];
-  /** Draws the satellites of two-line elements or an OMM (KVN, XML, JSON, CSV); with a name or catalogue number that one alone; none of an empty text. */
+  /**
+   * Draws the satellites of a text: two-line elements, OMM, OEM, CZML, SP3, an STK ephemeris or states in columns; with a name or catalogue number that
+   * one alone; none of an empty text.
+   */
   setSatellites(text: string, name?: string): string[];
-  /** The instant of a satellite's newest elements. */
+  /** The epoch of a satellite's elements, or that of its first state. */
   elementsEpoch(index?: number): Date | undefined;
   readonly labels: Label[];
   /** The ground under a pixel of the canvas, degrees; null beside the globe. */
   pick(x: number, y: number): { lat: number; lon: number } | null;
+  /** The satellite whose marker is nearest to a pixel of the canvas, within so many pixels. */
+  pickSatellite(x: number, y: number, within?: number): { index: number; name: string } | null;
+  /** Sends the event `pick` for a pixel of the canvas, as a click does. */
+  click(x: number, y: number): void;
   /** Holds the place under a pixel for the drags that follow. */
   grab(x: number, y: number): void;
   drag(fromX: number, fromY: number, x: number, y: number): void;
@@ -118,6 +158,9 @@ export class TerrellaEarthElement extends HTMLElement {
   epoch: Date | number | string;
   rate: number;
   exposure: number | "auto";
+  look: "standard" | "full";
+  hide: Layer[] | string;
+  resolution: number | "auto";
   /** Draws satellites now, or as soon as the Earth is ready. */
   setSatellites(text: string, name?: string): string[] | undefined;
 }

@@ -1,12 +1,12 @@
 // <terrella-earth>: the Earth as an element of a page. See terrella.d.ts.
 
-import { TerrellaEarth } from "./earth.js";
+import { FIRST_PICTURE, TerrellaEarth } from "./earth.js";
 
 export { TerrellaEarth };
 
 /** Attributes whose changes apply to a live Earth. */
 const VIEW = ["lat", "lon", "altitude", "heading", "pitch", "fov"];
-const LIVE = [...VIEW, "epoch", "rate", "exposure"];
+const LIVE = [...VIEW, "epoch", "rate", "exposure", "look", "hide", "resolution"];
 /** Limit on satellite labels: more would hide the globe. */
 const MAX_LABELS = 50;
 /** A device that is lost again within this time is not reopened, milliseconds. */
@@ -118,6 +118,7 @@ export class TerrellaEarthElement extends HTMLElement {
     try {
       const earth = await TerrellaEarth.create(canvas, {
         maps: this.maps,
+        preview: this.getAttribute("preview") ?? undefined,
         wasm: this.wasm,
         backend: this.getAttribute("backend") ?? "auto",
         samples: this.#number("samples"),
@@ -125,12 +126,13 @@ export class TerrellaEarthElement extends HTMLElement {
         signal: abort.signal,
         progress: (part, what) => {
           if (abort.signal.aborted) return;
-          this.#message.textContent = part < 1 ? `Loading the Earth … ${Math.round(100 * part)} %` : "";
+          // Finer maps come behind the first picture.
+          this.#message.textContent = part < FIRST_PICTURE ? `Loading the Earth … ${Math.round((100 * part) / FIRST_PICTURE)} %` : "";
           this.dispatchEvent(new CustomEvent("progress", { detail: { part, what } }));
         },
       });
       this.#earth = earth;
-      for (const type of ["frame", "viewchange"]) {
+      for (const type of ["frame", "viewchange", "complete", "pick"]) {
         earth.addEventListener(type, (event) => this.dispatchEvent(new CustomEvent(type, { detail: event.detail })));
       }
       earth.addEventListener("frame", () => this.#writeNames(canvas));
@@ -142,6 +144,7 @@ export class TerrellaEarthElement extends HTMLElement {
       if (this.#satellites) earth.setSatellites(...this.#satellites);
       const address = this.getAttribute("satellites");
       if (!this.#satellites && address) await this.#fetchSatellites(address, abort.signal);
+      earth.draw();
       this.#observe(canvas, earth);
       this.dispatchEvent(new CustomEvent("ready"));
     } catch (error) {
@@ -186,12 +189,12 @@ export class TerrellaEarthElement extends HTMLElement {
       this.#fail(new Error(`The graphics device was lost again: ${why}. Reload the page.`));
       return;
     }
-    const [epoch, rate] = [this.#earth?.epoch, this.#earth?.rate];
+    const kept = Object.fromEntries(LIVE.filter((name) => !VIEW.includes(name)).map((name) => [name, this.#earth?.[name]]));
     this.#stop();
     this.addEventListener(
       "ready",
       () => {
-        Object.assign(this.#earth, { epoch, rate, view });
+        Object.assign(this.#earth, { ...kept, view });
       },
       { once: true },
     );
