@@ -52,9 +52,12 @@ pub fn detail_tile() -> LayerImage {
 /// stays.
 ///
 /// # Errors
-/// A file that is no JPEG of the tile's size.
+/// A file that is no whole JPEG of the tile's size.
 pub fn supply_detail_tile(jpeg: &[u8]) -> Result<(), DetailTileError> {
-    let tile = decoded(jpeg).map_err(|cause| DetailTileError { cause })?;
+    // The decoder fills the rest of a file that breaks off.
+    let whole = Picture::open(FileKind::Jpeg, jpeg).and_then(|picture| picture.check_whole());
+    let tile = whole.and_then(|_| decoded(jpeg));
+    let tile = tile.map_err(|cause| DetailTileError { cause })?;
     // A second file is the same one.
     let _ = SUPPLIED.set(tile);
     Ok(())
