@@ -1,6 +1,7 @@
 //! `cargo xtask web`: the Earth for web pages, built, served on this machine and tested in a browser.
 
 mod data;
+mod npm;
 mod serve;
 mod toolchain;
 
@@ -27,8 +28,6 @@ const MAPS: [&str; 6] = [
     "water.png",
     "stars.bin",
 ];
-/// The browser automation library, which includes no browser.
-const PLAYWRIGHT: &str = "playwright-core@1.65.1";
 
 #[derive(Args)]
 pub struct Web {
@@ -200,20 +199,7 @@ fn test(dist: &Path, program: Option<PathBuf>, only: Option<String>) -> anyhow::
     };
     let maps = dist.join("terrella/maps");
     draw_natively(&program, &tests.join("views.json"), &maps, &native)?;
-    let tools = root.join("target/web/tools");
-    fs::create_dir_all(&tools).with_context(|| tools.display().to_string())?;
-    if !tools.join("node_modules/playwright-core").exists() {
-        let mut npm = Command::new("npm");
-        npm.args([
-            "install",
-            "--no-save",
-            "--no-audit",
-            "--no-fund",
-            PLAYWRIGHT,
-        ]);
-        npm.env("PLAYWRIGHT_SKIP_BROWSER_DOWNLOAD", "1");
-        process::run(npm.current_dir(&tools))?;
-    }
+    let tools = npm::installed(&[npm::PLAYWRIGHT])?;
     let server = Server::start(dist, 0)?;
     let mut node = Command::new("node");
     node.arg(tests.join("drive.mjs")).arg(server.address());
