@@ -29,6 +29,7 @@ mod tables;
 mod terrain;
 mod whereabouts;
 
+use crate::files::write_bytes;
 use crate::process::{repository_root, say};
 use anyhow::{Context, bail};
 use record::Recorded;
@@ -53,6 +54,29 @@ pub fn run(wanted: Option<&[String]>) -> anyhow::Result<()> {
         say(format_args!("rewrote {}", page.name(&root)));
     }
     Ok(())
+}
+
+/// Stores a run that a command outside this module has measured, rewrites the pages, and returns the table of the run's name. `head` has the
+/// metadata that the machine does not tell.
+///
+/// # Errors
+/// A name that no recording has, and a run that the pages cannot read.
+pub fn store(name: &str, head: &[(&'static str, String)], body: &str) -> anyhow::Result<String> {
+    let root = repository_root();
+    let recording = RECORDINGS.iter().find(|recording| recording.name == name);
+    let recording = recording.with_context(|| format!("there is no recording {name:?}"))?;
+    let head: Vec<_> = head
+        .iter()
+        .cloned()
+        .chain(whereabouts::of_this_run())
+        .collect();
+    let text = record::written(recording.file, &head, body)?;
+    let path = root.join(record::FOLDER).join(recording.file);
+    write_bytes(&path, text.as_bytes())?;
+    say(format_args!("recorded {}", path.display()));
+    run(None)?;
+    let table = texts(&root)?.remove(name);
+    table.with_context(|| format!("no table of tables.rs is called {name:?}"))
 }
 
 /// A page with markers.

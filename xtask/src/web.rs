@@ -2,6 +2,7 @@
 
 mod data;
 mod npm;
+mod peers;
 mod serve;
 mod toolchain;
 
@@ -61,6 +62,15 @@ enum Action {
         #[arg(long, value_name = "LIST")]
         only: Option<String>,
     },
+    /// Time frames beside those of CesiumJS in headless Chromium, and record them in docs/recorded/web-peers.csv.
+    Peers {
+        /// Rounds at each height, in which each renderer draws a turn.
+        #[arg(long, default_value_t = 5, value_name = "N", value_parser = clap::value_parser!(u32).range(2..))]
+        rounds: u32,
+        /// Measure what is in the folder; build nothing.
+        #[arg(long)]
+        no_build: bool,
+    },
 }
 
 pub fn run(web: Web) -> anyhow::Result<()> {
@@ -88,6 +98,12 @@ pub fn run(web: Web) -> anyhow::Result<()> {
                 build(&dist)?;
             }
             test(&dist, program, only)
+        }
+        Some(Action::Peers { rounds, no_build }) => {
+            if !no_build {
+                build(&dist)?;
+            }
+            peers::run(&dist, &package().join("tests"), rounds)
         }
     }
 }

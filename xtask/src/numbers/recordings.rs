@@ -23,9 +23,9 @@ pub enum Source {
         /// The place of the numbers.
         found: Found,
     },
-    /// The file was written by hand and describes how its numbers were measured.
+    /// The file was written by hand, or by a command of its own, and describes how its numbers were measured.
     Kept {
-        /// Reason why it is not measured again.
+        /// Reason why it is not measured here.
         why: &'static str,
     },
 }
@@ -251,6 +251,11 @@ pub const RECORDINGS: &[Recording] = &[
         "a report of all heights takes an hour",
     ),
     kept("by_hand", "by_hand.csv", "criterion prints for people"),
+    kept(
+        "web_peers",
+        "web-peers.csv",
+        "`cargo xtask web peers` measures it and records the browser's adapter",
+    ),
     kept("streaming", "streaming.csv", "it needs a pack of 3 GB"),
     kept(
         "farm",

@@ -85,9 +85,16 @@ pub const TABLES: &[Table] = &[
     table("surfaces_run", "surfaces", whereabouts),
     table("farm", "farm", as_recorded),
     table("farm_growth", "farm_growth", as_recorded),
-    table("peers", "peers", peers::heights),
+    table("peers", "peers", |run| {
+        peers::heights(run, "VTK", "ratio_to_vtk")
+    }),
     table("peers_ratios", "peers", peers::ratios),
     table("peers_run", "peers", whereabouts),
+    table("web_peers", "web_peers", |run| {
+        peers::heights(run, "CesiumJS", "ratio_to_cesiumjs")
+    }),
+    table("web_peers_ratios", "web_peers", peers::web_ratios),
+    table("web_peers_run", "web_peers", whereabouts),
     table("streaming", "streaming", as_recorded),
     table("sky_places", "sky_places", as_recorded),
     table("light_costs", "light_costs", as_recorded),
