@@ -113,9 +113,8 @@ mod tests {
         assert!(styles(1)[0].footprint.is_some());
         assert!(styles(WITH_TRACKS + 1)[0].trail.is_none());
         assert_eq!(read(ISS, Some("25544")).expect("the number").len(), 1);
-        let error = read(ISS, Some("HUBBLE"))
-            .expect_err("not there")
-            .to_string();
+        let error = read(ISS, Some("HUBBLE")).err().expect("not there");
+        let error = error.to_string();
         assert!(error.contains("satellites"), "{error}");
         assert!(read("no elements", None).is_err());
     }

@@ -124,6 +124,8 @@ async function makeTerrella({ size, view, options }) {
   const canvas = Object.assign(document.createElement("canvas"), size);
   document.body.append(canvas);
   const earth = await TerrellaEarth.create(canvas, { ...options, controls: false });
+  await earth.complete;
+  earth.resolution = 1;
   earth.addEventListener("error", (event) => window.faults.push(event.detail.message));
   earth.addEventListener("devicelost", (event) => window.faults.push(event.detail));
   earth.epoch = view.epoch;
