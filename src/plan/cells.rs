@@ -14,7 +14,8 @@ use terrella_imagery::{GroundKind, GroundKinds};
 /// more than the limb needs if more vertices would cost more than they save.
 pub(crate) fn interpolated_cells(height_m: f64) -> u32 {
     match height_m {
-        4e5..3e6 => 48,
+        4e5..9e5 => 48,
+        9e5..2.4e6 => 16,
         _ => 0,
     }
 }
