@@ -3,20 +3,23 @@
 import { newWorker } from "./files.js";
 
 export class Decoder {
-  #worker = newWorker();
+  #worker;
+  #backend;
   /** Ends the decoding that is going on. */
   #reject = () => {};
 
   /** Starts a worker with a compiled wasm module. */
   constructor(backend, wasm) {
-    this.#worker.postMessage({ backend, wasm });
+    this.#backend = backend;
+    this.#worker = newWorker(backend);
+    this.#worker.postMessage({ wasm });
   }
 
   /** Decodes maps, bytes by name, and passes each band of rows to `take`. The bytes are gone afterwards. */
   decode(maps, take) {
     return new Promise((resolve, reject) => {
       this.#reject = reject;
-      this.#worker.onerror = (event) => reject(new Error(`The worker that decodes maps did not start: ${event.message ?? "worker.js could not be loaded"}.`));
+      this.#worker.onerror = (event) => reject(new Error(`The worker that decodes maps did not start: ${event.message ?? `worker-${this.#backend}.js could not be loaded`}.`));
       this.#worker.onmessage = ({ data }) => {
         try {
           if (data.band) take(...data.band);

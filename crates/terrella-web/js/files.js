@@ -23,25 +23,28 @@ export const PREVIEW_MAPS = {
 export const AIR = new URL("./data/air.bin", import.meta.url);
 export const DETAIL_TILE = new URL("./data/detail_tile.jpg", import.meta.url);
 
-/** The modules and wasm files of the backends. */
+/** The modules, wasm files and workers of the backends. */
 export const BACKENDS = {
   webgpu: {
     module: () => import("./webgpu.js"),
     wasm: new URL("./webgpu_bg.wasm", import.meta.url),
+    worker: () => new Worker(new URL("./worker-webgpu.js", import.meta.url), { type: "module" }),
   },
   webgl: {
     module: () => import("./webgl.js"),
     wasm: new URL("./webgl_bg.wasm", import.meta.url),
+    worker: () => new Worker(new URL("./worker-webgl.js", import.meta.url), { type: "module" }),
   },
 };
 
-/** A worker that decodes maps. */
-export function newWorker() {
+/** A worker that decodes maps with the module of a backend. */
+export function newWorker(backend) {
   try {
-    return new Worker(new URL("./worker.js", import.meta.url), { type: "module" });
+    return BACKENDS[backend].worker();
   } catch {
-    // Browsers start no worker from another origin, such as that of a file network, but a worker may import from there.
-    const script = `import ${JSON.stringify(new URL("./worker.js", import.meta.url).href)};`;
+    // Browsers start no worker from another origin, such as that of a file network, but a worker may import from there. The address is derived
+    // from that of another file, because a bundler would copy a worker that is named a second time as it is.
+    const script = `import ${JSON.stringify(new URL(`../worker-${backend}.js`, AIR).href)};`;
     const address = URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
     const worker = new Worker(address, { type: "module" });
     URL.revokeObjectURL(address);
