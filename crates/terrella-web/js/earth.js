@@ -54,6 +54,8 @@ export class TerrellaEarth extends EventTarget {
   #lostPrefix;
   #faultTimer;
   #request = 0;
+  /** Whether the page itself drew since the last due frame. */
+  #isDrawnByPage = false;
   #rate = 0;
   #hidden = [];
   #look = "standard";
@@ -334,7 +336,7 @@ export class TerrellaEarth extends EventTarget {
     this.#canvas.width = Math.max(1, Math.round(width));
     this.#canvas.height = Math.max(1, Math.round(height));
     this.#alive.resize(this.#canvas.width, this.#canvas.height);
-    this.draw();
+    this.#drawAt(this.#epochAt(performance.now()));
   }
 
   /** Whether the canvas is visible; otherwise nothing is drawn. */
@@ -349,15 +351,32 @@ export class TerrellaEarth extends EventTarget {
     if (this.#request || !this.#globe || this.#isLost || !isSeen) return;
     this.#request = requestAnimationFrame((now) => {
       this.#request = 0;
+      if (this.#isDrawnByPage) {
+        // A page that draws each frame may do so after this callback.
+        this.#isDrawnByPage = false;
+        this.invalidate();
+        return;
+      }
       this.#adapt(now);
-      const isWhole = this.draw(this.#epochAt(now));
-      if (this.#rate !== 0 || !isWhole) this.invalidate();
+      this.#drawAt(this.#epochAt(now));
     });
   }
 
-  /** Draws now. Returns whether the frame is complete: satellite curves grow over several frames. */
+  /** Draws now, in place of the due frame. Returns whether the frame is complete: satellite curves grow over several frames. */
   draw(ms = this.#epochAt(performance.now())) {
     if (!this.#globe || this.#isLost) return true;
+    this.#isDrawnByPage = true;
+    const now = document.timeline.currentTime;
+    // Several pictures within a frame say nothing about the time of one.
+    if (now > this.#lastFrame) this.#adapt(now);
+    return this.#drawAt(ms);
+  }
+
+  /** Draws an instant in place of the due frame. */
+  #drawAt(ms) {
+    if (!this.#globe || this.#isLost) return true;
+    cancelAnimationFrame(this.#request);
+    this.#request = 0;
     let isWhole = true;
     try {
       isWhole = this.#globe.draw(ms);
@@ -365,13 +384,14 @@ export class TerrellaEarth extends EventTarget {
       this.#fail(error);
     }
     this.dispatchEvent(new CustomEvent("frame", { detail: { epoch: new Date(ms) } }));
+    if (this.#rate !== 0 || !isWhole) this.invalidate();
     return isWhole;
   }
 
   /** The current image as a file. */
   toBlob(type = "image/png") {
     // A canvas can only be read in the task that drew it.
-    this.draw();
+    this.#drawAt(this.#epochAt(performance.now()));
     return new Promise((resolve, reject) => {
       this.#canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error(`The browser writes no ${type}.`))), type);
     });
@@ -411,7 +431,7 @@ export class TerrellaEarth extends EventTarget {
       this.#sharpening = setTimeout(() => {
         if (!this.#globe || this.#isLost) return;
         this.#setScale(1);
-        this.draw();
+        this.#drawAt(this.#epochAt(performance.now()));
       }, STILL_MS);
     }
     if (since > STILL_MS) {
