@@ -72,10 +72,30 @@ export interface Label {
   y: number;
 }
 
-/**
- * The Earth on a canvas. Events: `frame` (detail.epoch), `viewchange`, `error` (detail is the Error), `devicelost` (detail says why;
- * nothing is drawn any more, make another Earth on a new canvas).
- */
+/** Events of an Earth. */
+export interface TerrellaEarthEventMap {
+  /** A frame was drawn. */
+  frame: CustomEvent<{ epoch: Date }>;
+  /** The view was changed, but not by `setCamera`. */
+  viewchange: CustomEvent<null>;
+  /** The whole maps are drawn. */
+  complete: CustomEvent<null>;
+  /** A click. */
+  pick: CustomEvent<Pick>;
+  error: CustomEvent<Error>;
+  /** Why the device was lost. Nothing is drawn any more; make another Earth on a new canvas. */
+  devicelost: CustomEvent<string>;
+}
+
+/** Events of `<terrella-earth>`: those of its Earth, and those of its start. After `devicelost` it starts again by itself. */
+export interface TerrellaEarthElementEventMap extends Omit<HTMLElementEventMap, "error" | "progress">, TerrellaEarthEventMap {
+  /** How much is loaded, 0…1, and what is going on. */
+  progress: CustomEvent<{ part: number; what: string }>;
+  /** The first picture is drawn. */
+  ready: CustomEvent<null>;
+}
+
+/** The Earth on a canvas. */
 export class TerrellaEarth extends EventTarget {
   /** Loads maps and wasm, and makes the Earth on a canvas that has no context yet. */
   static create(canvas: HTMLCanvasElement, options?: Options): Promise<TerrellaEarth>;
@@ -131,17 +151,31 @@ export class TerrellaEarth extends EventTarget {
   /** Whether the canvas is in sight: out of sight nothing is drawn. */
   set isVisible(isVisible: boolean);
   invalidate(): void;
-  /** Draws now; answers whether the frame is whole. */
+  /**
+   * Draws now, in place of the frame that is due; answers whether the frame is whole. A page that calls it in each animation frame has its picture
+   * together with those of other libraries, and no frame is drawn twice.
+   */
   draw(ms?: number): boolean;
   toBlob(type?: string): Promise<Blob>;
   /** Gives memory and device back. */
   free(): void;
+  addEventListener<K extends keyof TerrellaEarthEventMap>(
+    type: K,
+    listener: (this: TerrellaEarth, event: TerrellaEarthEventMap[K]) => void,
+    options?: boolean | AddEventListenerOptions,
+  ): void;
+  addEventListener(type: string, listener: EventListenerOrEventListenerObject | null, options?: boolean | AddEventListenerOptions): void;
+  removeEventListener<K extends keyof TerrellaEarthEventMap>(
+    type: K,
+    listener: (this: TerrellaEarth, event: TerrellaEarthEventMap[K]) => void,
+    options?: boolean | EventListenerOptions,
+  ): void;
+  removeEventListener(type: string, listener: EventListenerOrEventListenerObject | null, options?: boolean | EventListenerOptions): void;
 }
 
 /**
- * `<terrella-earth>`. Attributes: `maps`, `backend`, `samples`, `anisotropy`, `satellites` (an address), `satellite` (a name), and as properties too
- * `lat`, `lon`, `altitude`, `heading`, `pitch`, `fov`, `epoch`, `rate`, `exposure`. Events: `progress` (detail.part, detail.what),
- * `ready`, `frame`, `viewchange`, `error`, `devicelost`, after which it begins again by itself.
+ * `<terrella-earth>`. Attributes: `maps`, `preview`, `backend`, `samples`, `anisotropy`, `satellites` (an address), `satellite` (a name), which are read
+ * at the start; and those that are properties too.
  */
 export class TerrellaEarthElement extends HTMLElement {
   /** The Earth, once it is ready. */
@@ -163,6 +197,18 @@ export class TerrellaEarthElement extends HTMLElement {
   resolution: number | "auto";
   /** Draws satellites now, or as soon as the Earth is ready. */
   setSatellites(text: string, name?: string): string[] | undefined;
+  addEventListener<K extends keyof TerrellaEarthElementEventMap>(
+    type: K,
+    listener: (this: TerrellaEarthElement, event: TerrellaEarthElementEventMap[K]) => void,
+    options?: boolean | AddEventListenerOptions,
+  ): void;
+  addEventListener(type: string, listener: EventListenerOrEventListenerObject, options?: boolean | AddEventListenerOptions): void;
+  removeEventListener<K extends keyof TerrellaEarthElementEventMap>(
+    type: K,
+    listener: (this: TerrellaEarthElement, event: TerrellaEarthElementEventMap[K]) => void,
+    options?: boolean | EventListenerOptions,
+  ): void;
+  removeEventListener(type: string, listener: EventListenerOrEventListenerObject, options?: boolean | EventListenerOptions): void;
 }
 
 declare global {
