@@ -18,6 +18,11 @@ pub const PLAYWRIGHT: Package = Package {
     name: "playwright-core",
     version: "1.65.1",
 };
+/// The library that frames are timed beside, and that an example draws over the Earth.
+pub const CESIUM: Package = Package {
+    name: "cesium",
+    version: "1.145.0",
+};
 
 /// The folder whose `node_modules` has these packages, after installing those that are missing.
 ///
@@ -34,7 +39,8 @@ pub fn installed(packages: &[Package]) -> anyhow::Result<PathBuf> {
         .map(|one| format!("{}@{}", one.name, one.version));
     let names: Vec<_> = names.collect();
     let mut npm = Command::new("npm");
-    npm.args(["install", "--no-save", "--no-audit", "--no-fund"])
+    // With `--no-save` npm would remove the packages of other tests.
+    npm.args(["install", "--save-exact", "--no-audit", "--no-fund"])
         .args(&names);
     npm.env("PLAYWRIGHT_SKIP_BROWSER_DOWNLOAD", "1");
     let advice = || {

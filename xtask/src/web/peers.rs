@@ -1,6 +1,6 @@
 //! `cargo xtask web peers`: frame times in a page beside those of CesiumJS.
 
-use super::npm::{self, PLAYWRIGHT, Package};
+use super::npm::{self, CESIUM, PLAYWRIGHT};
 use super::serve::Server;
 use crate::numbers;
 use crate::process::{self, repository_root, say};
@@ -10,10 +10,6 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-const CESIUM: Package = Package {
-    name: "cesium",
-    version: "1.145.0",
-};
 /// The name of the recorded run, of its file and of its table.
 const RECORDING: &str = "web_peers";
 /// What a page loads from the folder, at least.
