@@ -1,6 +1,7 @@
 //! `cargo xtask web`: the Earth for web pages, built, served on this machine and tested in a browser.
 
 mod data;
+mod embed;
 mod npm;
 mod peers;
 mod serve;
@@ -30,6 +31,11 @@ const MAPS: [&str; 6] = [
     "stars.bin",
 ];
 
+/// Parts of the test that one browser program runs, which compares with native pictures.
+const PICTURES: [&str; 4] = ["webgpu", "webgl", "viewer", "none"];
+/// All parts of the test.
+const PARTS: [&str; 6] = ["webgpu", "webgl", "viewer", "none", "bundlers", "examples"];
+
 #[derive(Args)]
 pub struct Web {
     #[command(subcommand)]
@@ -58,9 +64,9 @@ enum Action {
         /// Test what is in the folder; build nothing.
         #[arg(long)]
         no_build: bool,
-        /// Parts with commas between them: webgpu, webgl, viewer, none. All by default.
-        #[arg(long, value_name = "LIST")]
-        only: Option<String>,
+        /// Parts with commas between them. All by default.
+        #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = PARTS)]
+        only: Vec<String>,
     },
     /// Time frames beside those of CesiumJS in headless Chromium, and record them in docs/recorded/web-peers.csv.
     Peers {
@@ -97,7 +103,7 @@ pub fn run(web: Web) -> anyhow::Result<()> {
             if !no_build {
                 build(&dist)?;
             }
-            test(&dist, program, only)
+            test(&dist, program, &only)
         }
         Some(Action::Peers { rounds, no_build }) => {
             if !no_build {
@@ -201,7 +207,26 @@ fn copy_pages(dist: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn test(dist: &Path, program: Option<PathBuf>, only: Option<String>) -> anyhow::Result<()> {
+/// Runs the parts of the test of these names; all without a name.
+fn test(dist: &Path, program: Option<PathBuf>, only: &[String]) -> anyhow::Result<()> {
+    let is_wanted = |part: &&str| only.is_empty() || only.iter().any(|one| one == part);
+    let wanted = PICTURES.into_iter().filter(is_wanted);
+    let wanted: Vec<_> = wanted.collect();
+    if !wanted.is_empty() {
+        compare(dist, program, &wanted.join(","))?;
+    }
+    let tests = package().join("tests");
+    if is_wanted(&"examples") {
+        embed::examples(dist, &tests, &repository_root().join("target/web/pictures"))?;
+    }
+    if is_wanted(&"bundlers") {
+        embed::bundlers(dist, &tests)?;
+    }
+    Ok(())
+}
+
+/// Opens the pages and compares them with native pictures.
+fn compare(dist: &Path, program: Option<PathBuf>, only: &str) -> anyhow::Result<()> {
     let (root, tests) = (repository_root(), package().join("tests"));
     for page in ["test.html", "test.css"] {
         copy_whole(&tests.join(page), &dist.join(page), false)?;
@@ -220,10 +245,7 @@ fn test(dist: &Path, program: Option<PathBuf>, only: Option<String>) -> anyhow::
     let mut node = Command::new("node");
     node.arg(tests.join("drive.mjs")).arg(server.address());
     node.arg(&native).arg(root.join("target/web/pictures"));
-    if let Some(only) = only {
-        node.env("ONLY", only);
-    }
-    process::run(node.current_dir(&tools))
+    process::run(node.env("ONLY", only).current_dir(&tools))
 }
 
 /// Draws each view of the list with the native program and the page's maps.

@@ -1,0 +1,83 @@
+//! Parts of `cargo xtask web test` about pages of others: bundlers that move the package's files, and libraries that share the camera.
+
+use super::npm::{self, CESIUM, PLAYWRIGHT, Package};
+use crate::process;
+use anyhow::{Context, bail};
+use std::path::Path;
+use std::process::Command;
+
+const fn package(name: &'static str, version: &'static str) -> Package {
+    Package { name, version }
+}
+
+/// The bundlers, and the compiler that checks the package's types.
+const BUNDLERS: [Package; 6] = [
+    PLAYWRIGHT,
+    package("vite", "8.4.0"),
+    package("webpack", "5.113.0"),
+    package("webpack-cli", "7.3.1"),
+    package("esbuild", "0.28.2"),
+    package("typescript", "7.0.2"),
+];
+/// The libraries of the examples.
+const LIBRARIES: [Package; 3] = [PLAYWRIGHT, CESIUM, package("three", "0.187.0")];
+/// Files of the package that a page loads, one of each kind.
+const NEEDED: [&str; 4] = [
+    "terrella.js",
+    "webgpu_bg.wasm",
+    "webgl_bg.wasm",
+    "data/air.bin",
+];
+
+/// Bundles a page with each bundler, and opens it.
+///
+/// # Errors
+/// A missing program or package, a bundle without an Earth.
+pub fn bundlers(dist: &Path, tests: &Path) -> anyhow::Result<()> {
+    let tools = npm::installed(&BUNDLERS).context("no bundler is tested")?;
+    // Below the tools: there `npx` finds the bundlers.
+    run(
+        dist,
+        &tools,
+        &tests.join("bundlers.mjs"),
+        &tools.join("bundlers"),
+    )
+}
+
+/// Opens the examples, and measures how well the other library's picture fits.
+///
+/// # Errors
+/// A missing program or package, a picture that does not fit.
+pub fn examples(dist: &Path, tests: &Path, pictures: &Path) -> anyhow::Result<()> {
+    let tools = npm::installed(&LIBRARIES).context("no example is tested")?;
+    run(dist, &tools, &tests.join("examples.mjs"), pictures)
+}
+
+/// Runs a test of the pages in a folder, in the folder of the tools.
+fn run(dist: &Path, tools: &Path, test: &Path, out: &Path) -> anyhow::Result<()> {
+    let dist = std::path::absolute(dist).with_context(|| dist.display().to_string())?;
+    for name in NEEDED {
+        let file = dist.join("terrella").join(name);
+        if !file.exists() {
+            bail!("{} is missing; run without --no-build", file.display());
+        }
+    }
+    let mut node = Command::new("node");
+    process::run(node.arg(test).arg(dist).arg(out).current_dir(tools))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_without_pages_is_named() {
+        let dist = tempfile::tempdir().unwrap();
+        let here = dist.path();
+        let error = run(here, here, &here.join("test.mjs"), here).unwrap_err();
+        assert!(
+            error.to_string().contains("terrella.js is missing"),
+            "{error}"
+        );
+    }
+}
