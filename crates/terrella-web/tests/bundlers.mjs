@@ -23,6 +23,14 @@ const RESOLUTIONS = [
   ["--module", "esnext", "--moduleResolution", "bundler"],
   ["--module", "nodenext"],
 ];
+/** Makes an element whose files are not beside the bundle. */
+const ELSEWHERE = `
+const element = document.createElement("terrella-earth");
+element.maps = "kept/maps/";
+element.wasm = { webgpu: "kept/webgpu_bg.wasm", webgl: "kept/webgl_bg.wasm" };
+element.epoch = "2026-06-01T12:00:00Z";
+document.body.append(element);
+`;
 
 /** Runs a program in a folder; an error has what the program printed. */
 function run(folder, program, ...words) {
@@ -72,11 +80,17 @@ function isShown(name) {
   check(`${name}: docs/web.md shows what is tested`, absent.length === 0, absent.join(", "));
 }
 
-/** Opens a page and looks at its picture. */
-async function look(browser, name, url) {
+/** Opens a page on each backend and looks at its picture. */
+async function look(name, url) {
+  for (const [backend, browser] of Object.entries(browsers)) await lookWith(browser, backend, `${name}, ${backend}`, url);
+}
+
+async function lookWith(browser, backend, name, url) {
   const { tab, said, outcome } = await open(browser, url);
   try {
     if (!check(`${name}: ready`, !outcome.error, outcome.error ?? `${Math.round(outcome.ready)} ms after navigation`)) return;
+    const own = await tab.evaluate(() => document.querySelector("terrella-earth").earth.backend);
+    check(`${name}: on this backend`, own === backend, own);
     const whole = await tab.evaluate(() => document.querySelector("terrella-earth").earth.complete.then(() => "", (error) => error.message));
     check(`${name}: the whole maps are drawn`, whole === "", whole);
     await tab.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
@@ -118,7 +132,7 @@ async function withViteServer(folder, use) {
   }
 }
 
-async function bundle(browser, name, archive) {
+async function bundle(name, archive) {
   isShown(name);
   const folder = prepare(name, archive);
   const started = performance.now();
@@ -127,9 +141,26 @@ async function bundle(browser, name, archive) {
   const bytes = walk(out).reduce((sum, file) => sum + fs.statSync(path.join(out, file)).size, 0);
   console.log(`     ${name} ${version(name)}: ${Math.round(performance.now() - started)} ms, ${walk(out).length} files, ${(bytes / 1e6).toFixed(1)} MB`);
   const server = await serve({ "/": out });
-  await look(browser, name, `${server.address}/`);
+  await look(name, `${server.address}/`);
+  if (name === "esbuild") {
+    keepElsewhere(folder);
+    await look("esbuild with files elsewhere", `${server.address}/`);
+  }
   server.close();
-  if (name === "vite") await withViteServer(folder, (address) => look(browser, "vite's own server", address));
+  if (name === "vite") await withViteServer(folder, (address) => look("vite's own server", address));
+}
+
+/** Moves maps and wasm away from the bundle, and has the page pass their addresses. */
+function keepElsewhere(folder) {
+  const out = path.join(folder, "dist");
+  const kept = path.join(out, "kept");
+  fs.mkdirSync(kept);
+  for (const name of ["maps", "webgpu_bg.wasm", "webgl_bg.wasm"]) fs.renameSync(path.join(out, name), path.join(kept, name));
+  const page = path.join(out, "index.html");
+  fs.writeFileSync(page, fs.readFileSync(page, "utf8").replace(/<terrella-earth.*/, ""));
+  fs.appendFileSync(path.join(folder, "main.js"), ELSEWHERE);
+  run(folder, "sh", "-e", "build.sh");
+  for (const name of ["maps", "webgpu_bg.wasm", "webgl_bg.wasm"]) fs.rmSync(path.join(out, name), { recursive: true });
 }
 
 const version = (name) => JSON.parse(fs.readFileSync(path.join(tools, "node_modules", name, "package.json"), "utf8")).version;
@@ -155,12 +186,12 @@ fs.rmSync(work, { recursive: true, force: true });
 fs.mkdirSync(work, { recursive: true });
 const archive = pack();
 types(archive);
-const browser = await launch();
+const browsers = { webgpu: await launch("webgpu"), webgl: await launch("webgl") };
 try {
   for (const name of ["vite", "webpack", "esbuild"]) {
-    await bundle(browser, name, archive).catch((error) => check(`${name}: bundled`, false, error.message));
+    await bundle(name, archive).catch((error) => check(`${name}: bundled`, false, error.message));
   }
 } finally {
-  await browser.close();
+  for (const browser of Object.values(browsers)) await browser.close();
 }
 end();

@@ -180,7 +180,7 @@ for (const name of ["three", "cesium"]) {
 }
 fs.mkdirSync(out, { recursive: true });
 const server = await serve({ "/": examples, "/node_modules/": modules, "/node_modules/terrella/": path.join(dist, "terrella") });
-const browser = await launch();
+const browser = await launch("webgpu");
 try {
   await example(browser, server, "three", poseThree);
   await example(browser, server, "cesium", poseCesium);

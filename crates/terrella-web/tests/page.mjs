@@ -9,7 +9,7 @@ const { chromium } = createRequire(`${process.cwd()}/`)("playwright-core");
 
 const SIZE = { width: 640, height: 360 };
 const PATIENCE_MS = 240_000;
-/** Vulkan in software for the page, WebGL and WebGPU alike: without the last three, this browser shows no canvas of a software WebGPU device. */
+/** The last three: Vulkan in software for the page, WebGL and WebGPU alike: without these three, this browser shows no canvas of a software WebGPU device. */
 const FLAGS = [
   "--no-sandbox",
   "--disable-quic",
@@ -17,7 +17,6 @@ const FLAGS = [
   "--disable-background-networking",
   "--disable-component-update",
   "--disable-sync",
-  "--enable-unsafe-webgpu",
   "--enable-features=Vulkan",
   "--use-vulkan=swiftshader",
   "--use-angle=swiftshader",
@@ -68,8 +67,10 @@ export async function serve(folders) {
   return { address: `http://127.0.0.1:${server.address().port}`, close: () => server.closeAllConnections() ?? server.close() };
 }
 
-export function launch() {
-  return chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: FLAGS });
+/** Starts a browser in which a page gets this backend. */
+export function launch(backend) {
+  const args = backend === "webgpu" ? [...FLAGS, "--enable-unsafe-webgpu"] : FLAGS;
+  return chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args });
 }
 
 /** Opens a page with one `<terrella-earth>` and waits for its first picture. `said` has all complaints; `outcome.error` is why there is no picture. */
@@ -89,11 +90,9 @@ export async function open(browser, url) {
   });
   await tab.addInitScript(() => {
     window.outcome = new Promise((resolve) => {
-      addEventListener("DOMContentLoaded", () => {
-        const element = document.querySelector("terrella-earth");
-        element.addEventListener("ready", () => resolve({ ready: performance.now() }));
-        element.addEventListener("error", (event) => resolve({ error: event.detail.message }));
-      });
+      const isOwn = (event) => event.target.localName === "terrella-earth";
+      document.addEventListener("ready", (event) => isOwn(event) && resolve({ ready: performance.now() }), true);
+      document.addEventListener("error", (event) => isOwn(event) && resolve({ error: event.detail.message }), true);
     });
   });
   let timer;
