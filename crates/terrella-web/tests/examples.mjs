@@ -115,7 +115,7 @@ function findMark({ data, width }) {
 
 const bright = ({ data }) => data.filter((value, i) => i % 4 === 1 && value > BRIGHT).length / (data.length / 4);
 const apart = (a, b) => (a && b ? Math.hypot(a[0] - b[0], a[1] - b[1]) : Infinity);
-const told = (px) => `${px.toFixed(2)} px`;
+const inPixels = (px) => `${px.toFixed(2)} px`;
 
 /** A satellite that stays a metre above a place, as CZML. */
 function still(lat, lon, epoch) {
@@ -139,11 +139,11 @@ async function measure(tab, name, pose, setPose, mark) {
   }
   if (!check(`${label}: mark and Earth are there`, found.count >= LEAST_MARK_PX && bright(shown) > LEAST_PART, `${found.count} pixels, ${(100 * bright(shown)).toFixed(1)} % bright`)) return;
   const labels = await tab.evaluate(() => document.querySelector("terrella-earth").earth.labels.map(({ x, y }) => [x, y]));
-  check(`${label}: the Earth draws a satellite on the mark`, apart(labels[0], found.at) <= MOST_PX, labels[0] ? told(apart(labels[0], found.at)) : "it is not drawn");
-  // The Earth picks as if its camera were level.
+  check(`${label}: the Earth draws a satellite on the mark`, apart(labels[0], found.at) <= MOST_PX, labels[0] ? inPixels(apart(labels[0], found.at)) : "it is not drawn");
+  // `pick` ignores the roll of a camera.
   if (pose.roll) return;
   const picked = await tab.evaluate(pixelOf, { ...mark, from: found.at });
-  check(`${label}: the Earth picks the place there`, apart(picked?.at, found.at) <= MOST_PX, picked ? told(apart(picked.at, found.at)) : "no ground");
+  check(`${label}: the Earth picks the place there`, apart(picked?.at, found.at) <= MOST_PX, picked ? inPixels(apart(picked.at, found.at)) : "no ground");
   if (!picked) return;
   const clicked = found.at.map(Math.round);
   await tab.evaluate(() => document.querySelector("terrella-earth").addEventListener("pick", (event) => (window.picked = event.detail), { once: true }));
@@ -153,7 +153,7 @@ async function measure(tab, name, pose, setPose, mark) {
   const [a, b, c, d] = picked.jacobian;
   const [u, v, det] = [lat - mark.lat, lon - mark.lon, a * d - b * c];
   const off = apart([found.at[0] + (d * u - b * v) / det, found.at[1] + (a * v - c * u) / det], clicked);
-  check(`${label}: a click is told with the place`, off <= MOST_PX, `${lat.toFixed(4)}°, ${lon.toFixed(4)}°, ${told(off)}`);
+  check(`${label}: a click reports the place`, off <= MOST_PX, `${lat.toFixed(4)}°, ${lon.toFixed(4)}°, ${inPixels(off)}`);
 }
 
 async function example(browser, server, name, setPose) {

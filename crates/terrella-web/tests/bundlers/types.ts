@@ -1,4 +1,4 @@
-// What the package's types allow and refuse, for `tsc --noEmit --strict`: a line below `@ts-expect-error` that compiles is an error.
+// What the package's types allow and reject, for `tsc --noEmit --strict`: a line below `@ts-expect-error` that compiles is an error.
 
 import { TerrellaEarth, TerrellaEarthElement, type Camera, type Maps, type View, type Wasm } from "terrella";
 

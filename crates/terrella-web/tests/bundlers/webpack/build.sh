@@ -1,1 +1,1 @@
-npx webpack --mode production
+npx webpack ./main.js --mode production
