@@ -1,6 +1,6 @@
 //! The camera that the page sets and the pointer moves.
 
-use crate::orbit_camera::{Globe, OrbitCamera, Screen};
+use crate::orbit_camera::{Globe, OrbitCamera, Screen, pick_from};
 use crate::pose::{Pose, north_of};
 use glam::{DVec2, DVec3};
 use terrella::EyeView;
@@ -146,13 +146,21 @@ impl Eye {
     /// For the renderer, on a canvas of so many pixels.
     pub fn eye_view(&self, size_px: (u32, u32)) -> EyeView {
         let aspect = f64::from(size_px.0) / f64::from(size_px.1.max(1));
-        let own = || self.camera.pose(&GLOBE.ellipsoid);
-        let pose = self.free.unwrap_or_else(own);
-        let mut view = pose.view(self.fov_rad, aspect);
+        let mut view = self.pose().view(self.fov_rad, aspect);
         // The last column of the projection is the near plane: see `infinite_reversed_z`.
         let near_m = (NEAR_BY_HEIGHT * self.camera.place.height_m).max(EyeView::NEAR_M);
         view.clip_from_view.w_axis.z = near_m;
         view
+    }
+
+    fn pose(&self) -> Pose {
+        let own = || self.camera.pose(&GLOBE.ellipsoid);
+        self.free.unwrap_or_else(own)
+    }
+
+    /// The ground under a pixel as it is drawn, ITRF metres.
+    fn ground_at(&self, size_px: (u32, u32), at_px: DVec2) -> Option<DVec3> {
+        pick_from(&self.pose(), &GLOBE, &self.screen(size_px), at_px)
     }
 
     fn screen(&self, size_px: (u32, u32)) -> Screen {
@@ -164,14 +172,14 @@ impl Eye {
 
     /// Latitude and longitude of the ground under a pixel, degrees; `None` beside the globe.
     pub fn place_at(&self, size_px: (u32, u32), at_px: DVec2) -> Option<[f64; 2]> {
-        let point = self.camera.pick(&GLOBE, &self.screen(size_px), at_px)?;
+        let point = self.ground_at(size_px, at_px)?;
         let place = GLOBE.ellipsoid.geodetic_from_itrf(point);
         Some([place.lat_rad.to_degrees(), place.lon_rad.to_degrees()])
     }
 
     /// A drag begins: the place under the pixel is held.
     pub fn grab(&mut self, size_px: (u32, u32), at_px: DVec2) {
-        self.grabbed_itrf_m = self.camera.pick(&GLOBE, &self.screen(size_px), at_px);
+        self.grabbed_itrf_m = self.ground_at(size_px, at_px);
     }
 
     /// Nothing is held any more.
@@ -258,6 +266,33 @@ mod tests {
         assert!(
             (drawn.up.dot(right) - 0.2_f64.sqrt()).abs() < 1e-12,
             "{drawn:?}"
+        );
+        // A place right of the middle is picked where the roll puts it.
+        let middle = DVec2::new(320.0, 180.0);
+        let [east, north] = [drawn.forward.cross(drawn.up), drawn.up];
+        let aside = drawn.forward + 0.05 * east + 0.02 * north;
+        let seen = GLOBE.meet(drawn.eye_itrf_m, aside).expect("ground");
+        let seen = GLOBE.ellipsoid.geodetic_from_itrf(seen);
+        let pixels = 180.0 / 20_f64.to_radians().tan();
+        let at_px = middle + pixels * DVec2::new(0.05, -0.02);
+        let picked = free.place_at(SIZE, at_px).expect("ground");
+        let expected = [seen.lat_rad.to_degrees(), seen.lon_rad.to_degrees()];
+        assert!(
+            (picked[0] - expected[0]).abs() < 1e-6,
+            "{picked:?}, {expected:?}"
+        );
+        assert!(
+            (picked[1] - expected[1]).abs() < 1e-6,
+            "{picked:?}, {expected:?}"
+        );
+        // A drag levels the camera, with the grabbed place under the pointer.
+        let (mut dragged, to_px) = (free, at_px + DVec2::new(20.0, 5.0));
+        dragged.grab(SIZE, at_px);
+        dragged.drag(SIZE, at_px, to_px);
+        let there = dragged.place_at(SIZE, to_px).expect("ground");
+        assert!(
+            dragged.free.is_none() && (there[0] - picked[0]).abs() < 1e-6,
+            "{there:?}"
         );
         let mut moved = free;
         moved.tilt(SIZE, DVec2::new(3.0, 0.0));
