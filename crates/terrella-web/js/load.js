@@ -95,7 +95,10 @@ function supply(backend, module) {
     const files = Promise.all([
       fetched("The tables of the air", AIR).then(async (response) => {
         if (!response.ok) throw refused("The tables of the air", AIR, response);
-        return new Response(response.body.pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
+        const inflated = new Response(response.body.pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
+        return inflated.catch((cause) => {
+          throw new Error(`The tables of the air could not be read from ${AIR}: ${cause.message}. Check that the address serves the package's file.`);
+        });
       }),
       fetched("The tile of detail", DETAIL_TILE).then((response) => {
         if (!response.ok) throw refused("The tile of detail", DETAIL_TILE, response);
