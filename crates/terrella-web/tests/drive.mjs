@@ -313,10 +313,9 @@ async function none() {
 
 fs.mkdirSync(out, { recursive: true });
 const only = (process.env.ONLY ?? "webgpu,webgl,viewer,none").split(",");
-for (const backend of ["webgpu", "webgl"]) {
-  if (only.includes(backend)) await pictures(backend);
-  if (only.includes(backend) && only.includes("viewer")) await viewer(backend);
-}
+const backends = ["webgpu", "webgl"].filter((backend) => only.includes(backend));
+for (const backend of backends) await pictures(backend);
+if (only.includes("viewer")) for (const backend of backends.length ? backends : ["webgpu"]) await viewer(backend);
 if (only.includes("none")) await none();
 console.log(failures === 0 ? "all passed" : `${failures} failed`);
 process.exit(failures === 0 ? 0 : 1);
