@@ -10,33 +10,71 @@ const compiled = new Map();
 /** Backends whose tables were supplied. */
 const supplied = new Map();
 
-/** A fetch whose error names the file and the remedy. */
-async function fetched(what, source, signal) {
-  const response = await fetch(source, { signal }).catch((cause) => {
+/** Waits before further attempts, milliseconds. */
+const RETRY_DELAYS_MS = [500, 2000];
+/** Too many requests. */
+const HTTP_BUSY = 429;
+
+/** A failure that a later attempt may not have: a lost connection, a busy server. */
+class TransientError extends Error {}
+
+/** The result of the first attempt that succeeds. Transient failures are tried again. */
+async function retried(signal, attempt) {
+  for (const delay of RETRY_DELAYS_MS) {
+    try {
+      return await attempt();
+    } catch (error) {
+      if (!(error instanceof TransientError)) throw error;
+    }
+    await new Promise((resolve) => setTimeout(resolve, delay));
+    signal?.throwIfAborted();
+  }
+  return attempt();
+}
+
+/** Waits for a part of an answer. Its error names the file and the remedy. */
+function received(what, source, signal, part) {
+  return part.catch((cause) => {
     if (signal?.aborted) throw cause;
-    throw new Error(`${what} could not be loaded from ${source}: ${cause.message}. Check the address and the connection.`);
+    if (cause instanceof WebAssembly.CompileError) throw new Error(`${what} from ${source} is not WebAssembly: ${cause.message}. Check the address.`);
+    throw new TransientError(`${what} could not be loaded from ${source}: ${cause.message}. Check the address and the connection.`);
   });
-  if (!response.ok && response.status !== 404) throw refused(what, source, response);
+}
+
+async function fetched(what, source, signal) {
+  const response = await received(what, source, signal, fetch(source, { signal }));
+  if (response.status >= 500 || response.status === HTTP_BUSY) throw new TransientError(failure(what, source, response));
+  if (!response.ok && response.status !== 404) throw new Error(failure(what, source, response));
   return response;
 }
 
-const refused = (what, source, response) => new Error(`${what} could not be loaded: ${source} answered ${response.status}. Check the address.`);
+const failure = (what, source, response) => `${what} could not be loaded: ${source} answered ${response.status}. Check the address.`;
+
+/** As `fetched`, for a file that must be there. */
+async function present(what, source, signal) {
+  const response = await fetched(what, source, signal);
+  if (!response.ok) throw new Error(failure(what, source, response));
+  return response;
+}
 
 /** The bytes of a map, as given or fetched; `undefined` if an optional map is missing. */
 async function mapBytes(name, source, signal, count) {
   // A copy: the worker takes the bytes away.
   if (source instanceof ArrayBuffer) return new Uint8Array(source.slice(0));
   if (ArrayBuffer.isView(source)) return new Uint8Array(source.buffer, source.byteOffset, source.byteLength).slice();
-  const response = await fetched(`The map ${name}`, source, signal);
-  if (response.status === 404) {
-    if (name !== DAY) return undefined;
-    throw refused(`The map ${name}`, source, response);
-  }
+  return retried(signal, () => fetchedMap(name, source, signal, count));
+}
+
+async function fetchedMap(name, source, signal, count) {
+  const what = `The map ${name}`;
+  const response = await (name === DAY ? present : fetched)(what, source, signal);
+  if (response.status === 404) return undefined;
   const chunks = [];
   let length = 0;
   const reader = response.body.getReader();
   count(0, Number(response.headers.get("content-length")) || 0);
-  for (let part = await reader.read(); !part.done; part = await reader.read()) {
+  const next = () => received(what, source, signal, reader.read());
+  for (let part = await next(); !part.done; part = await next()) {
     chunks.push(part.value);
     length += part.value.length;
     count(part.value.length, 0);
@@ -77,10 +115,11 @@ async function compile(source) {
   if (source instanceof ArrayBuffer || ArrayBuffer.isView(source)) return WebAssembly.compile(source);
   const address = new URL(source, document.baseURI).href;
   if (!compiled.has(address)) {
-    const module = fetched("The program", address).then(async (response) => {
-      if (!response.ok) throw refused("The program", address, response);
+    const module = retried(undefined, async () => {
+      const response = await present("The program", address);
       const isWasm = response.headers.get("content-type")?.startsWith("application/wasm");
-      return isWasm ? WebAssembly.compileStreaming(response) : WebAssembly.compile(await response.arrayBuffer());
+      const compiling = isWasm ? WebAssembly.compileStreaming(response) : response.arrayBuffer().then((bytes) => WebAssembly.compile(bytes));
+      return received("The program", address, undefined, compiling);
     });
     compiled.set(address, module);
     // A failed load is tried again by the next element.
@@ -89,22 +128,20 @@ async function compile(source) {
   return compiled.get(address);
 }
 
+const inflated = (response) => new Response(response.body.pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
+
 /** Gives a backend's module the tables of the air and the tile of detail, once in a page. */
 function supply(backend, module) {
   if (!supplied.has(backend)) {
-    const files = Promise.all([
-      fetched("The tables of the air", AIR).then(async (response) => {
-        if (!response.ok) throw refused("The tables of the air", AIR, response);
-        const inflated = new Response(response.body.pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
-        return inflated.catch((cause) => {
-          throw new Error(`The tables of the air could not be read from ${AIR}: ${cause.message}. Check that the address serves the package's file.`);
-        });
-      }),
-      fetched("The tile of detail", DETAIL_TILE).then((response) => {
-        if (!response.ok) throw refused("The tile of detail", DETAIL_TILE, response);
-        return response.arrayBuffer();
-      }),
-    ]);
+    const tables = retried(undefined, async () => {
+      const response = await present("The tables of the air", AIR);
+      return received("The tables of the air", AIR, undefined, inflated(response));
+    });
+    const tile = retried(undefined, async () => {
+      const response = await present("The tile of detail", DETAIL_TILE);
+      return received("The tile of detail", DETAIL_TILE, undefined, response.arrayBuffer());
+    });
+    const files = Promise.all([tables, tile]);
     const done = Promise.all([module, files]).then(([module, [air, tile]]) => module.supply(new Uint8Array(air), new Uint8Array(tile)));
     supplied.set(backend, done);
     done.catch(() => supplied.delete(backend));
