@@ -34,7 +34,9 @@ const MAPS: [&str; 6] = [
 /// Parts of the test that one browser program runs, which compares with native pictures.
 const PICTURES: [&str; 4] = ["webgpu", "webgl", "viewer", "none"];
 /// All parts of the test.
-const PARTS: [&str; 6] = ["webgpu", "webgl", "viewer", "none", "bundlers", "examples"];
+const PARTS: [&str; 7] = [
+    "webgpu", "webgl", "viewer", "none", "servers", "bundlers", "examples",
+];
 
 #[derive(Args)]
 pub struct Web {
@@ -216,6 +218,9 @@ fn test(dist: &Path, program: Option<PathBuf>, only: &[String]) -> anyhow::Resul
         compare(dist, program, &wanted.join(","))?;
     }
     let tests = package().join("tests");
+    if is_wanted(&"servers") {
+        embed::servers(dist, &tests, &repository_root().join("target/web/servers"))?;
+    }
     if is_wanted(&"examples") {
         embed::examples(dist, &tests, &repository_root().join("target/web/pictures"))?;
     }

@@ -1,4 +1,5 @@
-//! Parts of `cargo xtask web test` about pages of others: bundlers that move the package's files, and libraries that share the camera.
+//! Parts of `cargo xtask web test` about pages of others: bundlers that move the package's files, libraries that share the camera, servers that
+//! fail, and many elements in one page.
 
 use super::npm::{self, CESIUM, PLAYWRIGHT, Package};
 use crate::process;
@@ -51,6 +52,15 @@ pub fn bundlers(dist: &Path, tests: &Path) -> anyhow::Result<()> {
 pub fn examples(dist: &Path, tests: &Path, pictures: &Path) -> anyhow::Result<()> {
     let tools = npm::installed(&LIBRARIES).context("no example is tested")?;
     run(dist, &tools, &tests.join("examples.mjs"), pictures)
+}
+
+/// Opens pages on servers that are slow, fail or send other files, and makes and removes many elements in one page.
+///
+/// # Errors
+/// A missing program or package, a page without its picture or message, memory that grows.
+pub fn servers(dist: &Path, tests: &Path, pages: &Path) -> anyhow::Result<()> {
+    let tools = npm::installed(&[PLAYWRIGHT]).context("no page is tested")?;
+    run(dist, &tools, &tests.join("servers.mjs"), pages)
 }
 
 /// Runs a test of the pages in a folder, in the folder of the tools.
