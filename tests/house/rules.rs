@@ -266,10 +266,11 @@ pub fn dead_links(page: &Page, repository: &Repository) -> Vec<String> {
         .collect()
 }
 
-/// Targets of the links and images of a Markdown text.
+/// Targets of the links and images of a Markdown text. Those in listings belong to the reader's own pages.
 pub fn targets(text: &str) -> Vec<&str> {
     let after = |opening: &'static str, closing: [char; 2]| {
-        let parts = text.split(opening).skip(1);
+        let prose = text.split("```").step_by(2);
+        let parts = prose.flat_map(move |prose| prose.split(opening).skip(1));
         parts
             .filter_map(move |rest| rest.split(closing).next())
             .filter(|target| !target.is_empty())
@@ -450,6 +451,8 @@ mod tests {
             ),
             3
         );
+        let listed = "```html\n<a href=\"gone.html\">\n```\n[a](gone.rs)";
+        assert_eq!(dead("README.md", listed), 1);
         assert_eq!(dead("src/README.md", "[a](../Cargo.toml) [b](lib.rs)"), 0);
         assert_eq!(dead("src/README.md", "[a](Cargo.toml)"), 1);
     }
