@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn rows_in_any_grouping_make_the_same_bands() {
-        let texels: Vec<u8> = (0..32 * 128_u32).map(|n| (n * 7919 >> 5) as u8).collect();
+        let texels: Vec<u8> = (0..32 * 128_u32).map(|n| ((n * 7919) >> 5) as u8).collect();
         let row = |n: u32| {
             let at = n as usize * 128;
             (n, texels[at..at + 128].to_vec())
