@@ -9,6 +9,9 @@ const VIEW = ["lat", "lon", "altitude", "heading", "pitch", "fov"];
 const LIVE = [...VIEW, "epoch", "rate", "exposure", "look", "hide", "resolution"];
 /** Limit on satellite labels: more would hide the globe. */
 const MAX_LABELS = 50;
+/** What screen readers say of the canvas. */
+const LABEL = "The Earth";
+const LABEL_WITH_CONTROLS = "Globe. Arrow keys turn it, plus and minus approach, shift and arrows tilt, N turns north up.";
 /** A device that is lost again within this time is not reopened, milliseconds. */
 const RETRY_AFTER_MS = 10_000;
 
@@ -19,6 +22,7 @@ sheet.replaceSync(`
   :host([hidden]) { display: none; }
   canvas { display: block; width: 100%; height: 100%; position: absolute; inset: 0; touch-action: none; cursor: grab; }
   canvas:active { cursor: grabbing; }
+  :host([controls="off"]) canvas { touch-action: auto; cursor: auto; }
   canvas:focus-visible { outline: 2px solid #5cc8ff; outline-offset: -2px; }
   .names { position: absolute; inset: 0; pointer-events: none; font: 13px/1 system-ui, sans-serif; color: #fff; text-shadow: 0 0 3px #000, 0 0 3px #000; }
   .names span { position: absolute; left: 0; top: 0; white-space: nowrap; }
@@ -107,9 +111,10 @@ export class TerrellaEarthElement extends HTMLElement {
   async #start() {
     const abort = (this.#abort = new AbortController());
     const canvas = document.createElement("canvas");
-    canvas.tabIndex = 0;
-    canvas.role = "application";
-    canvas.ariaLabel = this.getAttribute("aria-label") ?? "Globe. Arrow keys turn it, plus and minus approach, shift and arrows tilt, N turns north up.";
+    const controls = this.getAttribute("controls") !== "off";
+    if (controls) canvas.tabIndex = 0;
+    canvas.role = controls ? "application" : "img";
+    canvas.ariaLabel = this.getAttribute("aria-label") ?? (controls ? LABEL_WITH_CONTROLS : LABEL);
     this.#root.replaceChildren(canvas, this.#names, this.#message);
     this.#message.role = "status";
     const size = () => this.getBoundingClientRect();
@@ -123,6 +128,7 @@ export class TerrellaEarthElement extends HTMLElement {
         backend: this.getAttribute("backend") ?? "auto",
         samples: this.#number("samples"),
         anisotropy: this.#number("anisotropy"),
+        controls,
         signal: abort.signal,
         progress: (part, what) => {
           if (abort.signal.aborted) return;

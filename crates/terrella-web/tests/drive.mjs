@@ -239,6 +239,35 @@ async function moves(backend, tab) {
     point("pointerup", 12, 440, 180);
     return element.earth.view.altitude / before;
   });
+  const moves = (controls) => tab.evaluate((controls) => new Promise((resolve) => {
+    const element = document.createElement("terrella-earth");
+    if (controls) element.setAttribute("controls", controls);
+    element.addEventListener("error", ({ detail }) => resolve({ error: detail.message }));
+    // Earlier, its removal would end loads of maps, which the console shows as errors.
+    element.addEventListener("complete", () => {
+      const canvas = element.shadowRoot.querySelector("canvas");
+      const view = () => JSON.stringify(element.earth.view);
+      const box = canvas.getBoundingClientRect();
+      const at = (type, x) => new PointerEvent(type, { pointerId: 21, button: 0, clientX: box.left + x, clientY: box.top + 60 });
+      const events = [
+        [new KeyboardEvent("keydown", { key: "ArrowLeft" })],
+        [new WheelEvent("wheel", { deltaY: -300, cancelable: true })],
+        [at("pointerdown", 200), at("pointermove", 260), at("pointerup", 260)],
+      ];
+      const moved = events.map((some) => {
+        const before = view();
+        for (const event of some) canvas.dispatchEvent(event);
+        return view() !== before;
+      });
+      const { role, tabIndex } = canvas;
+      element.remove();
+      resolve({ moved, role, tabIndex });
+    });
+    document.body.append(element);
+  }), controls);
+  const [on, off] = [await moves(), await moves("off")];
+  check(`${backend}: without controls, key, wheel and drag change nothing, and with them the view`, on.moved?.every(Boolean) && off.moved?.every((one) => !one), JSON.stringify([on, off]));
+  check(`${backend}: without controls the canvas is a picture and no stop of the tab key`, off.role === "img" && off.tabIndex === -1 && on.tabIndex === 0);
   check(`${backend}: two fingers approach`, pinched < 0.6, pinched.toFixed(3));
   const message = await tab.evaluate(() => {
     const { earth } = document.querySelector("terrella-earth");
