@@ -117,7 +117,7 @@ export class TerrellaEarth extends EventTarget {
     if (controls) earth.#controls = new Controls(canvas, earth);
     progress(FIRST_PICTURE, "ready");
     earth.complete = preview ? earth.#refine(whole, signal, progress) : Promise.resolve(progress(1, "complete"));
-    // It is told by an event too.
+    // An event reports its failure too.
     earth.complete.catch(() => {});
     earth.invalidate();
     return earth;

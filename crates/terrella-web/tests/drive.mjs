@@ -315,7 +315,7 @@ async function viewer(backend) {
   await browser.close();
 }
 
-/** A lost device is told, and the element begins again as it was. */
+/** A lost device is reported, and the element starts again with the same view. */
 async function loses(backend, tab) {
   const found = await tab.evaluate(async () => {
     const element = document.querySelector("terrella-earth");
@@ -329,7 +329,7 @@ async function loses(backend, tab) {
     await new Promise((resolve) => setTimeout(resolve, 500));
     return { why, before, after: [element.earth.view.altitude, element.earth.satellites.join()] };
   });
-  check(`${backend}: a lost device is told and opened again`, String(found.before) === String(found.after), `${found.why}; ${found.after}`);
+  check(`${backend}: a lost device is reported and opened again`, String(found.before) === String(found.after), `${found.why}; ${found.after}`);
 }
 
 /** Without a GPU the page says so. */
