@@ -140,8 +140,6 @@ async function measure(tab, name, pose, setPose, mark) {
   if (!check(`${label}: mark and Earth are there`, found.count >= LEAST_MARK_PX && bright(shown) > LEAST_PART, `${found.count} pixels, ${(100 * bright(shown)).toFixed(1)} % bright`)) return;
   const labels = await tab.evaluate(() => document.querySelector("terrella-earth").earth.labels.map(({ x, y }) => [x, y]));
   check(`${label}: the Earth draws a satellite on the mark`, apart(labels[0], found.at) <= MOST_PX, labels[0] ? inPixels(apart(labels[0], found.at)) : "it is not drawn");
-  // `pick` ignores the roll of a camera.
-  if (pose.roll) return;
   const picked = await tab.evaluate(pixelOf, { ...mark, from: found.at });
   check(`${label}: the Earth picks the place there`, apart(picked?.at, found.at) <= MOST_PX, picked ? inPixels(apart(picked.at, found.at)) : "no ground");
   if (!picked) return;
