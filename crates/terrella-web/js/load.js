@@ -12,6 +12,7 @@ const supplied = new Map();
 
 /** Waits before further attempts, milliseconds. */
 const RETRY_DELAYS_MS = [500, 2000];
+const HTTP_MISSING = 404;
 /** Too many requests. */
 const HTTP_BUSY = 429;
 
@@ -41,21 +42,16 @@ function received(what, source, signal, part) {
   });
 }
 
-async function fetched(what, source, signal) {
+async function fetched(what, source, signal, isOptional = false) {
   const response = await received(what, source, signal, fetch(source, { signal }));
-  if (response.status >= 500 || response.status === HTTP_BUSY) throw new TransientError(failure(what, source, response));
-  if (!response.ok && response.status !== 404) throw new Error(failure(what, source, response));
-  return response;
+  if (response.ok || (isOptional && response.status === HTTP_MISSING)) return response;
+  const isTransient = response.status >= 500 || response.status === HTTP_BUSY;
+  const message = `${what} could not be loaded: ${source} answered ${response.status}. Check the address.`;
+  throw isTransient ? new TransientError(message) : new Error(message);
 }
 
-const failure = (what, source, response) => `${what} could not be loaded: ${source} answered ${response.status}. Check the address.`;
-
-/** As `fetched`, for a file that must be there. */
-async function present(what, source, signal) {
-  const response = await fetched(what, source, signal);
-  if (!response.ok) throw new Error(failure(what, source, response));
-  return response;
-}
+/** A file that must be there, as `read` makes it from the answer. */
+const loaded = (what, source, read) => retried(undefined, async () => received(what, source, undefined, read(await fetched(what, source))));
 
 /** The bytes of a map, as given or fetched; `undefined` if an optional map is missing. */
 async function mapBytes(name, source, signal, count) {
@@ -67,8 +63,8 @@ async function mapBytes(name, source, signal, count) {
 
 async function fetchedMap(name, source, signal, count) {
   const what = `The map ${name}`;
-  const response = await (name === DAY ? present : fetched)(what, source, signal);
-  if (response.status === 404) return undefined;
+  const response = await fetched(what, source, signal, name !== DAY);
+  if (!response.ok) return undefined;
   const chunks = [];
   let length = 0;
   const reader = response.body.getReader();
@@ -115,11 +111,9 @@ async function compile(source) {
   if (source instanceof ArrayBuffer || ArrayBuffer.isView(source)) return WebAssembly.compile(source);
   const address = new URL(source, document.baseURI).href;
   if (!compiled.has(address)) {
-    const module = retried(undefined, async () => {
-      const response = await present("The program", address);
+    const module = loaded("The program", address, (response) => {
       const isWasm = response.headers.get("content-type")?.startsWith("application/wasm");
-      const compiling = isWasm ? WebAssembly.compileStreaming(response) : response.arrayBuffer().then((bytes) => WebAssembly.compile(bytes));
-      return received("The program", address, undefined, compiling);
+      return isWasm ? WebAssembly.compileStreaming(response) : response.arrayBuffer().then((bytes) => WebAssembly.compile(bytes));
     });
     compiled.set(address, module);
     // A failed load is tried again by the next element.
@@ -133,15 +127,10 @@ const inflated = (response) => new Response(response.body.pipeThrough(new Decomp
 /** Gives a backend's module the tables of the air and the tile of detail, once in a page. */
 function supply(backend, module) {
   if (!supplied.has(backend)) {
-    const tables = retried(undefined, async () => {
-      const response = await present("The tables of the air", AIR);
-      return received("The tables of the air", AIR, undefined, inflated(response));
-    });
-    const tile = retried(undefined, async () => {
-      const response = await present("The tile of detail", DETAIL_TILE);
-      return received("The tile of detail", DETAIL_TILE, undefined, response.arrayBuffer());
-    });
-    const files = Promise.all([tables, tile]);
+    const files = Promise.all([
+      loaded("The tables of the air", AIR, inflated),
+      loaded("The tile of detail", DETAIL_TILE, (response) => response.arrayBuffer()),
+    ]);
     const done = Promise.all([module, files]).then(([module, [air, tile]]) => module.supply(new Uint8Array(air), new Uint8Array(tile)));
     supplied.set(backend, done);
     done.catch(() => supplied.delete(backend));
