@@ -336,7 +336,7 @@ export class TerrellaEarth extends EventTarget {
     this.#canvas.width = Math.max(1, Math.round(width));
     this.#canvas.height = Math.max(1, Math.round(height));
     this.#alive.resize(this.#canvas.width, this.#canvas.height);
-    this.#drawAt(this.#epochAt(performance.now()));
+    this.#drawAt();
   }
 
   /** Whether the canvas is visible; otherwise nothing is drawn. */
@@ -373,7 +373,7 @@ export class TerrellaEarth extends EventTarget {
   }
 
   /** Draws an instant in place of the due frame. */
-  #drawAt(ms) {
+  #drawAt(ms = this.#epochAt(performance.now())) {
     if (!this.#globe || this.#isLost) return true;
     cancelAnimationFrame(this.#request);
     this.#request = 0;
@@ -391,7 +391,7 @@ export class TerrellaEarth extends EventTarget {
   /** The current image as a file. */
   toBlob(type = "image/png") {
     // A canvas can only be read in the task that drew it.
-    this.#drawAt(this.#epochAt(performance.now()));
+    this.#drawAt();
     return new Promise((resolve, reject) => {
       this.#canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error(`The browser writes no ${type}.`))), type);
     });
@@ -431,7 +431,7 @@ export class TerrellaEarth extends EventTarget {
       this.#sharpening = setTimeout(() => {
         if (!this.#globe || this.#isLost) return;
         this.#setScale(1);
-        this.#drawAt(this.#epochAt(performance.now()));
+        this.#drawAt();
       }, STILL_MS);
     }
     if (since > STILL_MS) {
