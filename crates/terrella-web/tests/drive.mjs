@@ -4,10 +4,8 @@
 
 import fs from "node:fs";
 import path from "node:path";
-import { createRequire } from "node:module";
+import { check, end, launchWith } from "./page.mjs";
 
-const require = createRequire(`${process.cwd()}/`);
-const { chromium } = require("playwright-core");
 const [address, native, out] = process.argv.slice(2);
 const views = JSON.parse(fs.readFileSync(new URL("views.json", import.meta.url)));
 
@@ -20,18 +18,11 @@ const OVER_GREATEST = 1e-4;
 /** Longest task of the page's thread after the first picture, milliseconds. An upload waits up to 190 ms while the software device draws. */
 const LONGEST_TASK_MS = 250;
 const PATIENCE_MS = 240_000;
-const QUIET = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
 const BACKENDS = {
   webgpu: ["--enable-unsafe-webgpu", "--enable-unsafe-swiftshader"],
   webgl: ["--enable-unsafe-swiftshader"],
   none: ["--disable-gpu", "--disable-3d-apis", "--disable-webgl", "--disable-webgl2"],
 };
-
-let failures = 0;
-function check(what, isGood, numbers = "") {
-  failures += isGood ? 0 : 1;
-  console.log(`${isGood ? "ok  " : "FAIL"} ${what}${numbers ? `: ${numbers}` : ""}`);
-}
 
 /** Runs in the page before all else: WebGPU's canvas hands out a texture that can be read back, since this Chromium's compositor does not show
  * a software device's canvas. */
@@ -127,7 +118,7 @@ async function compare({ view, picture, limit }) {
 }
 
 async function open(backend, page, hook) {
-  const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: [...QUIET, ...BACKENDS[backend]] });
+  const browser = await launchWith(BACKENDS[backend]);
   const context = await browser.newContext({ viewport: { width: SIZE.width, height: SIZE.height + 200 }, hasTouch: true });
   const tab = await context.newPage();
   const said = [];
@@ -346,5 +337,4 @@ const backends = ["webgpu", "webgl"].filter((backend) => only.includes(backend))
 for (const backend of backends) await pictures(backend);
 if (only.includes("viewer")) for (const backend of backends.length ? backends : ["webgpu"]) await viewer(backend);
 if (only.includes("none")) await none();
-console.log(failures === 0 ? "all passed" : `${failures} failed`);
-process.exit(failures === 0 ? 0 : 1);
+end();

@@ -1,4 +1,4 @@
-// What the tests of bundles and of examples share: checks, a server of folders, and pages in headless Chromium. Run in a folder that has playwright-core.
+// What the tests in a browser share: checks, a server of folders, and pages in headless Chromium. Run in a folder that has playwright-core.
 
 import fs from "node:fs";
 import http from "node:http";
@@ -9,18 +9,10 @@ const { chromium } = createRequire(`${process.cwd()}/`)("playwright-core");
 
 const SIZE = { width: 640, height: 360 };
 const PATIENCE_MS = 240_000;
-/** The last three: Vulkan in software for the page, WebGL and WebGPU alike: without these three, this browser shows no canvas of a software WebGPU device. */
-const FLAGS = [
-  "--no-sandbox",
-  "--disable-quic",
-  "--no-first-run",
-  "--disable-background-networking",
-  "--disable-component-update",
-  "--disable-sync",
-  "--enable-features=Vulkan",
-  "--use-vulkan=swiftshader",
-  "--use-angle=swiftshader",
-];
+/** Nothing but the page is loaded. */
+const QUIET = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
+/** Vulkan in software for the page, WebGL and WebGPU alike: without it, this browser shows no canvas of a software WebGPU device. */
+const VULKAN = ["--enable-features=Vulkan", "--use-vulkan=swiftshader", "--use-angle=swiftshader"];
 const KINDS = {
   ".html": "text/html; charset=utf-8",
   ".js": "text/javascript; charset=utf-8",
@@ -67,11 +59,11 @@ export async function serve(folders) {
   return { address: `http://127.0.0.1:${server.address().port}`, close: () => server.closeAllConnections() ?? server.close() };
 }
 
-/** Starts a browser in which a page gets this backend. */
-export function launch(backend) {
-  const args = backend === "webgpu" ? [...FLAGS, "--enable-unsafe-webgpu"] : FLAGS;
-  return chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args });
-}
+/** Starts a browser with more flags. */
+export const launchWith = (flags) => chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: [...QUIET, ...flags] });
+
+/** Starts a browser that shows this backend's canvas. */
+export const launch = (backend) => launchWith(backend === "webgpu" ? [...VULKAN, "--enable-unsafe-webgpu"] : VULKAN);
 
 /** Opens a page with one `<terrella-earth>` and waits for its first picture. `said` has all complaints; `outcome.error` is why there is no picture. */
 export async function open(browser, url) {

@@ -6,10 +6,8 @@
 
 import fs from "node:fs";
 import path from "node:path";
-import { createRequire } from "node:module";
+import { launch } from "./page.mjs";
 
-const require = createRequire(`${process.cwd()}/`);
-const { chromium } = require("playwright-core");
 const [terrella, cesium, roundsText, out] = process.argv.slice(2);
 const rounds = Number(roundsText);
 
@@ -22,19 +20,6 @@ const FRAMES = 5;
 const PATIENCE_MS = 240_000;
 /** The least of the brightest channel in the middle of a picture, of 255: sky is darker than the Earth by day. */
 const LEAST_IN_THE_MIDDLE = 16;
-/** Vulkan in software for the page, WebGL and WebGPU alike: without the last three, this browser shows no canvas of a software WebGPU device. */
-const FLAGS = [
-  "--no-sandbox",
-  "--disable-quic",
-  "--no-first-run",
-  "--disable-background-networking",
-  "--disable-component-update",
-  "--disable-sync",
-  "--enable-unsafe-webgpu",
-  "--enable-features=Vulkan",
-  "--use-vulkan=swiftshader",
-  "--use-angle=swiftshader",
-];
 const BASE = "CesiumJS";
 /** The maps of an Earth that draws as little as CesiumJS; as shipped it has all of its folder. */
 const ONE_MAP = { "day.jpg": "/terrella/maps/day.jpg" };
@@ -293,7 +278,7 @@ async function measure(peers) {
 }
 
 fs.mkdirSync(out, { recursive: true });
-const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: FLAGS });
+const browser = await launch("webgpu");
 try {
   const peers = RENDERERS.map((renderer) => new Peer(browser, renderer));
   for (const peer of peers) {
