@@ -31,6 +31,14 @@ const MAPS: [&str; 6] = [
     "stars.bin",
 ];
 
+/// Files that a page loads, one of each kind.
+const NEEDED: [&str; 5] = [
+    "terrella/terrella.js",
+    "terrella/earth.js",
+    "terrella/webgpu_bg.wasm",
+    "terrella/webgl_bg.wasm",
+    "terrella/data/air.bin",
+];
 /// Parts of the test that one browser program runs, which compares with native pictures.
 const PICTURES: [&str; 4] = ["webgpu", "webgl", "viewer", "none"];
 /// All parts of the test.
@@ -102,15 +110,11 @@ pub fn run(web: Web) -> anyhow::Result<()> {
             no_build,
             only,
         }) => {
-            if !no_build {
-                build(&dist)?;
-            }
+            build_or_find(&dist, no_build)?;
             test(&dist, program, &only)
         }
         Some(Action::Peers { rounds, no_build }) => {
-            if !no_build {
-                build(&dist)?;
-            }
+            build_or_find(&dist, no_build)?;
             peers::run(&dist, &package().join("tests"), rounds)
         }
     }
@@ -150,6 +154,21 @@ fn compile(toolchain: &Toolchain, what: &str, backend: &str) -> Command {
 
 fn target(backend: &str) -> PathBuf {
     repository_root().join("target/web").join(backend)
+}
+
+/// Builds the pages, or checks that a folder has them.
+fn build_or_find(dist: &Path, no_build: bool) -> anyhow::Result<()> {
+    if !no_build {
+        return build(dist);
+    }
+    let missing = NEEDED
+        .iter()
+        .map(|name| dist.join(name))
+        .find(|file| !file.exists());
+    match missing {
+        Some(file) => bail!("{} is missing; run without --no-build", file.display()),
+        None => Ok(()),
+    }
 }
 
 /// Writes the pages, the module and the maps.
@@ -287,4 +306,19 @@ fn scene_of(view: &Value, maps: &Path) -> String {
         view["fov"],
         view["exposure"]
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_without_pages_is_named() {
+        let dist = tempfile::tempdir().unwrap();
+        let error = build_or_find(dist.path(), true).unwrap_err();
+        assert!(
+            error.to_string().contains("terrella.js is missing"),
+            "{error}"
+        );
+    }
 }

@@ -3,7 +3,7 @@
 
 use super::npm::{self, CESIUM, PLAYWRIGHT, Package};
 use crate::process;
-use anyhow::{Context, bail};
+use anyhow::Context;
 use std::path::Path;
 use std::process::Command;
 
@@ -22,13 +22,6 @@ const BUNDLERS: [Package; 6] = [
 ];
 /// The libraries of the examples.
 const LIBRARIES: [Package; 3] = [PLAYWRIGHT, CESIUM, package("three", "0.187.0")];
-/// Files of the package that a page loads, one of each kind.
-const NEEDED: [&str; 4] = [
-    "terrella.js",
-    "webgpu_bg.wasm",
-    "webgl_bg.wasm",
-    "data/air.bin",
-];
 
 /// Bundles a page with each bundler, and opens it.
 ///
@@ -66,28 +59,6 @@ pub fn servers(dist: &Path, tests: &Path, pages: &Path) -> anyhow::Result<()> {
 /// Runs a test of the pages in a folder, in the folder of the tools.
 fn run(dist: &Path, tools: &Path, test: &Path, out: &Path) -> anyhow::Result<()> {
     let dist = std::path::absolute(dist).with_context(|| dist.display().to_string())?;
-    for name in NEEDED {
-        let file = dist.join("terrella").join(name);
-        if !file.exists() {
-            bail!("{} is missing; run without --no-build", file.display());
-        }
-    }
     let mut node = Command::new("node");
     process::run(node.arg(test).arg(dist).arg(out).current_dir(tools))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_folder_without_pages_is_named() {
-        let dist = tempfile::tempdir().unwrap();
-        let here = dist.path();
-        let error = run(here, here, &here.join("test.mjs"), here).unwrap_err();
-        assert!(
-            error.to_string().contains("terrella.js is missing"),
-            "{error}"
-        );
-    }
 }

@@ -4,7 +4,7 @@ use super::npm::{self, CESIUM, PLAYWRIGHT};
 use super::serve::Server;
 use crate::numbers;
 use crate::process::{self, repository_root, say};
-use anyhow::{Context, bail};
+use anyhow::Context;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -12,12 +12,6 @@ use std::process::Command;
 
 /// The name of the recorded run, of its file and of its table.
 const RECORDING: &str = "web_peers";
-/// What a page loads from the folder, at least.
-const NEEDED: [&str; 3] = [
-    "terrella/earth.js",
-    "terrella/webgpu_bg.wasm",
-    "terrella/webgl_bg.wasm",
-];
 const COLUMNS: [&str; 6] = [
     "height_km",
     "renderer",
@@ -30,14 +24,8 @@ const COLUMNS: [&str; 6] = [
 /// Measures the pages of a folder, records the times and rewrites the page that has them.
 ///
 /// # Errors
-/// A missing package, a folder without pages, a renderer that draws no Earth.
+/// A missing package, a renderer that draws no Earth.
 pub fn run(dist: &Path, tests: &Path, rounds: u32) -> anyhow::Result<()> {
-    for name in NEEDED {
-        let file = dist.join(name);
-        if !file.exists() {
-            bail!("{} is missing; run without --no-build", file.display());
-        }
-    }
     let tools = npm::installed(&[PLAYWRIGHT, CESIUM]).context("CesiumJS is not measured")?;
     let out = repository_root().join("target/web/peers");
     let pages = Server::start(dist, 0)?;
