@@ -13,7 +13,7 @@ impl DetailTile {
     pub fn upload(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         let label = "terrella detail tile";
         Self {
-            tile: GpuLayer::upload(device, queue, label, &detail_tile(), false),
+            tile: GpuLayer::upload(device, queue, label, &detail_tile(), true),
             sampler: device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some(label),
                 address_mode_u: wgpu::AddressMode::Repeat,

@@ -10,6 +10,8 @@ use std::sync::OnceLock;
 pub const DETAIL_MEAN: f32 = 128.0;
 /// Standard deviations that a step of one byte means.
 pub const DETAIL_STEP: f32 = 3.2 / 127.0;
+/// Steps of a changing value, per texel, that a step of one byte means in the slopes.
+pub const DETAIL_SLOPE_STEP: f32 = 0.25;
 
 #[cfg(any(test, feature = "detail-tile"))]
 const COMPILED_IN: Option<&[u8]> = Some(include_bytes!("../data/detail_tile.jpg"));
@@ -32,6 +34,9 @@ pub struct DetailTileError {
 /// A square of clouds' fine structure with its mip levels: no map, but a tile to repeat in all directions. Its values have the mean
 /// 0 and the variance 1, as bytes by [`DETAIL_STEP`].
 ///
+/// A texel has four bytes: the value; the value smoothed over four texels of its level; and the change of the latter from texel to texel of its
+/// level, rightwards and downwards, by [`DETAIL_SLOPE_STEP`]. So one sample shows structures and their soft flanks.
+///
 /// Its first row and its first column are the same and read the same from both ends, so that a whole number of tiles along each edge
 /// covers the six sides of a cube without a seam. It is a part of the starter pack's cloud map, without structures larger than some 64
 /// texels. The feature `detail-tile` compiles it in. Without the feature and before [`supply_detail_tile`], the tile is one texel
@@ -43,8 +48,8 @@ pub fn detail_tile() -> LayerImage {
     tile.unwrap_or_else(|| LayerImage {
         width: 1,
         height: 1,
-        format: TexelFormat::R8Unorm,
-        levels: [vec![DETAIL_MEAN as u8]].into(),
+        format: TexelFormat::Rgba8Srgb,
+        levels: [vec![DETAIL_MEAN as u8; 4]].into(),
     })
 }
 
@@ -70,29 +75,98 @@ fn decoded(jpeg: &[u8]) -> Result<LayerImage, String> {
     if ((width, height), kind) != (SIZE, TexelKind::grey(8)) {
         return Err(format!("it has {width} × {height} texels of {kind}"));
     }
-    let format = TexelFormat::R8Unorm;
-    let levels = mips::chain(picture.texels()?, width as usize, height as usize, format);
+    let values = mips::chain(
+        picture.texels()?,
+        width as usize,
+        height as usize,
+        TexelFormat::R8Unorm,
+    );
+    let levels = values.iter().enumerate();
+    let levels: Vec<_> = levels
+        .map(|(level, values)| with_flanks(values, width as usize >> level))
+        .collect();
     Ok(LayerImage {
         width,
         height,
-        format,
+        // Not colours, but as many bytes.
+        format: TexelFormat::Rgba8Srgb,
         levels: levels.into(),
     })
+}
+
+/// The four bytes of each texel of a level with rows of this length: see [`detail_tile`].
+fn with_flanks(values: &[u8], width: usize) -> Vec<u8> {
+    let soft = smoothed(values, width);
+    let slope = |after: usize, before: usize| {
+        let steps = (soft[after] - soft[before]) / (2.0 * DETAIL_SLOPE_STEP);
+        byte(DETAIL_MEAN + steps)
+    };
+    let next = |at: usize| (at + 1) % width;
+    let last = |at: usize| (at + width - 1) % width;
+    let mut texels = Vec::with_capacity(4 * values.len());
+    for row in 0..width {
+        for column in 0..width {
+            let at = row * width + column;
+            let right = slope(row * width + next(column), row * width + last(column));
+            let down = slope(next(row) * width + column, last(row) * width + column);
+            texels.extend([values[at], byte(soft[at]), right, down]);
+        }
+    }
+    texels
+}
+
+fn byte(value: f32) -> u8 {
+    value.round().clamp(0.0, 255.0) as u8
+}
+
+/// Weights of the mean of four means of four neighbours.
+const TRIANGLE: [f32; 7] = [0.0625, 0.125, 0.1875, 0.25, 0.1875, 0.125, 0.0625];
+
+/// A square that repeats, averaged with these weights along rows and along columns.
+fn smoothed(values: &[u8], width: usize) -> Vec<f32> {
+    let wrapped = |at: usize| (at + 3 * width - 3) % width;
+    let mut along_rows = Vec::with_capacity(values.len());
+    for row in values.chunks(width) {
+        let row: Vec<f32> = (0..width + 6)
+            .map(|at| f32::from(row[wrapped(at)]))
+            .collect();
+        along_rows.extend(row.windows(7).map(weighted));
+    }
+    let mut soft = Vec::with_capacity(values.len());
+    for row in 0..width {
+        let near: [&[f32]; 7] =
+            std::array::from_fn(|tap| &along_rows[wrapped(row + tap) * width..][..width]);
+        soft.extend((0..width).map(|column| weighted(&near.map(|row| row[column]))));
+    }
+    soft
+}
+
+fn weighted(near: &[f32]) -> f32 {
+    let products = near
+        .iter()
+        .zip(TRIANGLE)
+        .map(|(value, weight)| value * weight);
+    products.sum()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn values(texels: &[u8]) -> Vec<f32> {
+    const VALUE: usize = 0;
+    const SOFT: usize = 1;
+
+    fn values(texels: &[u8], channel: usize) -> Vec<f32> {
         let values = texels
             .iter()
+            .skip(channel)
+            .step_by(4)
             .map(|byte| (f32::from(*byte) - DETAIL_MEAN) * DETAIL_STEP);
         values.collect()
     }
 
-    fn variance(texels: &[u8]) -> f32 {
-        let values = values(texels);
+    fn variance(texels: &[u8], channel: usize) -> f32 {
+        let values = values(texels, channel);
         let count = values.len() as f32;
         let mean = values.iter().sum::<f32>() / count;
         values
@@ -109,10 +183,10 @@ mod tests {
             (tile.width, tile.height, tile.levels.len()),
             (1024, 1024, 11)
         );
-        let values = values(&tile.levels[0]);
+        let values = values(&tile.levels[0], VALUE);
         let mean = values.iter().sum::<f32>() / values.len() as f32;
         assert!(mean.abs() < 0.02, "{mean}");
-        assert!((variance(&tile.levels[0]) - 1.0).abs() < 0.05);
+        assert!((variance(&tile.levels[0], VALUE) - 1.0).abs() < 0.05);
     }
 
     #[test]
@@ -127,24 +201,61 @@ mod tests {
         assert_eq!(detail_tile(), decoded(jpeg).expect("decodes"));
     }
 
-    /// The shader's `structure_of_size`.
+    /// The shader's `value_of` and `soft_of`.
     #[test]
     fn smaller_levels_show_what_the_shader_takes_them_to_show() {
         let tile = detail_tile();
         for (level, texels) in tile.levels.iter().enumerate().take(8) {
-            let t = (level as f32 / 6.3).min(1.0);
-            let expected = 1.0 - t * t * (3.0 - 2.0 * t);
-            let shown = variance(texels);
+            for (channel, first, last) in [(VALUE, 0.0, 6.3), (SOFT, -2.7, 4.0)] {
+                let t = ((level as f32 - first) / (last - first)).min(1.0);
+                let expected = 1.0 - t * t * (3.0 - 2.0 * t);
+                let shown = variance(texels, channel);
+                assert!(
+                    (shown - expected).abs() < 0.06,
+                    "level {level}, channel {channel}: {shown} and not {expected}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn flanks_are_as_steep_as_the_soft_value_changes() {
+        let tile = detail_tile();
+        for (level, texels) in tile.levels.iter().enumerate().take(6) {
+            let width = 1024 >> level;
+            let code = |column: usize, row: usize, channel: usize| {
+                f32::from(texels[4 * ((row % width) * width + column % width) + channel])
+            };
+            let mut clipped = 0;
+            for row in 1..=width {
+                for column in 1..=width {
+                    let rise = [
+                        code(column + 1, row, SOFT) - code(column - 1, row, SOFT),
+                        code(column, row + 1, SOFT) - code(column, row - 1, SOFT),
+                    ];
+                    for (channel, rise) in [(2, rise[0]), (3, rise[1])] {
+                        let slope = code(column, row, channel);
+                        clipped += usize::from(slope == 0.0 || slope == 255.0);
+                        let shown = 2.0 * DETAIL_SLOPE_STEP * (slope - DETAIL_MEAN);
+                        let clamped = rise.clamp(-64.0, 63.5);
+                        // Soft values are rounded to half a step.
+                        assert!(
+                            (shown - clamped).abs() < 1.3,
+                            "level {level}: {shown}, {rise}"
+                        );
+                    }
+                }
+            }
             assert!(
-                (shown - expected).abs() < 0.06,
-                "level {level}: {shown} and not {expected}"
+                clipped * 1000 < 2 * width * width,
+                "level {level}: {clipped}"
             );
         }
     }
 
     #[test]
     fn its_border_is_the_same_along_all_sides() {
-        let tile = values(&detail_tile().levels[0]);
+        let tile = values(&detail_tile().levels[0], VALUE);
         let at = |x: usize, y: usize| tile[y * 1024 + x];
         let differences = (1..1024).map(|n| {
             let (row, column) = (at(n, 0) - at(0, n), at(0, n) - at(0, 1024 - n));

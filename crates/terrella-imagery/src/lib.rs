@@ -69,7 +69,9 @@ pub use cities::{
     CITY_CELLS, CityCell, CityLight, CityLights, FINENESSES, LAMP_COLOR, LEAST_LIGHT, MAX_PLACES,
     PLACES_FILE, Place, PlacesError, read_places,
 };
-pub use detail_tile::{DETAIL_MEAN, DETAIL_STEP, DetailTileError, detail_tile, supply_detail_tile};
+pub use detail_tile::{
+    DETAIL_MEAN, DETAIL_SLOPE_STEP, DETAIL_STEP, DetailTileError, detail_tile, supply_detail_tile,
+};
 pub use error::ImageryError;
 pub use find::{TEXTURES_VARIABLE, find_textures};
 pub use grey::load_grey_map;

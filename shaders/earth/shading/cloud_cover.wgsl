@@ -10,12 +10,7 @@ fn lifted_before(at: SurfacePoint) -> Lifted {
 
 fn cover_at(at: SurfacePoint, lift: Lifted) -> f32 {
     @if(!detail) return mapped_cover(at, lift);
-    @if(detail) return cover_with_detail(at, lift, mapped_cover(at, lift));
-}
-
-@if(detail)
-fn cover_with_detail(at: SurfacePoint, lift: Lifted, mapped: f32) -> f32 {
-    return uneven_cover(mapped, structure(lift.up, cloud_texel_radii(at), pixel_radii(at)));
+    @if(detail) return uneven_cover(mapped_cover(at, lift), structure(lift.up, cloud_texel_radii(at), pixel_radii(at)));
 }
 
 // For shadows, whose edges are soft: only with the larger scale of detail.

@@ -31,8 +31,9 @@ fn scaled_thickness(albedo: f32) -> f32 {
 // The clouds in front of a place on the ground.
 struct CloudsBefore {
     cover: f32,
-    // The cover according to the map.
+    // The cover according to the map, and what makes it uneven.
     @if(detail) mapped: f32,
+    @if(detail) uneven: Flanked,
     // Their reflectance for diffuse light.
     albedo: f32,
     lift: Lifted,
@@ -46,8 +47,9 @@ fn clouds_before(at: SurfacePoint) -> CloudsBefore {
 fn clouds_at(at: SurfacePoint, lift: Lifted, seen: f32) -> CloudsBefore {
     let mapped = mapped_cover(at, lift);
     @if(!detail) return CloudsBefore(mapped, seen * CLOUD_ALBEDO * mapped, lift);
-    @if(detail) let cover = cover_with_detail(at, lift, mapped);
-    @if(detail) return CloudsBefore(cover, mapped, seen * CLOUD_ALBEDO * cover, lift);
+    @if(detail) let uneven = flanked_structure(lift.up, cloud_texel_radii(at), pixel_radii(at));
+    @if(detail) let cover = uneven_cover(mapped, uneven.made);
+    @if(detail) return CloudsBefore(cover, mapped, uneven, seen * CLOUD_ALBEDO * cover, lift);
 }
 
 // Light reflected to the eye from a Sun in a direction, which falls on them at this cosine, and from its sky.
@@ -132,24 +134,21 @@ fn sun_on_top(at: SurfacePoint, clouds: CloudsBefore, sun: vec3f) -> f32 {
     let ahead = level / flat_;
     @if(detail) let step = max(CLOUD_STEP, 2.3 * pixel_radii(at));
     @else let step = max(cloud_texel_radii(at), 1.5 * pixel_radii(at));
-    @if(detail) let here = top_with_detail(at, clouds.mapped, clouds.lift.up);
-    @else let here = surface_light.cloud_relief * clouds.cover;
-    let rise = top_at(at, moved(at, clouds.lift, ahead * step)) - here;
+    let along = ahead * step;
+    let mapped = mapped_cover(at, moved(at, clouds.lift, along));
+    @if(!detail) let rise = surface_light.cloud_relief * (mapped - clouds.cover);
+    @if(detail) let soft = clouds.uneven.soft;
+    @if(detail) let there = Detail(soft.value + dot(clouds.uneven.change, along), soft.variance);
+    @if(detail) let rise = top_with_detail(mapped, there) - top_with_detail(clouds.mapped, soft);
     let slope = clamp(rise / step, -STEEPEST, STEEPEST);
     return max((upward - slope * flat_) * inverseSqrt(1.0 + slope * slope), CLOUD_SIDES);
 }
 
-// Height of a cloud's top above those of thin clouds, equatorial radii.
-fn top_at(at: SurfacePoint, lift: Lifted) -> f32 {
-    @if(!detail) return surface_light.cloud_relief * mapped_cover(at, lift);
-    @if(detail) return top_with_detail(at, mapped_cover(at, lift), lift.up);
-}
-
-// Smoother than the cover, as light is diffused inside a cloud: hard flanks look like crumpled foil.
+// Height of a cloud's top above those of thin clouds, equatorial radii. Smoother than the cover, as light is diffused inside a cloud: hard flanks
+// look like crumpled foil.
 @if(detail)
-fn top_with_detail(at: SurfacePoint, mapped: f32, up: vec3f) -> f32 {
-    let cover = uneven_cover(mapped, soft_structure(up, cloud_texel_radii(at), 0.75 * pixel_radii(at)));
-    return surface_light.cloud_relief * mix(mapped, cover, SINGLE_CLOUDS);
+fn top_with_detail(mapped: f32, soft: Detail) -> f32 {
+    return surface_light.cloud_relief * mix(mapped, uneven_cover(mapped, soft), SINGLE_CLOUDS);
 }
 
 // A lower Sun casts shadows longer than the spacing of clouds.

@@ -4,7 +4,7 @@
 // The tile covers the six sides of a cube around the Earth, a whole number of times each, and its border is made so that neither tiles nor sides
 // have seams (crates/terrella-imagery/src/detail_tile.rs).
 import earth/shading/uneven.wgsl;
-import rust::{DETAIL_MEAN, DETAIL_STEP, LAST_CODE, PI};
+import rust::{DETAIL_MEAN, DETAIL_SLOPE_STEP, DETAIL_STEP, LAST_CODE, PI};
 
 @group(0) @binding(13) var detail_tile: texture_2d<f32>;
 @group(0) @binding(14) var detail_sampler: sampler;
@@ -21,35 +21,104 @@ const FINE_TURN: mat3x3f = mat3x3f(
 const MIDDLE_WAVE: f32 = 12.0;
 // Pixels as large as a map's texel show no detail, those of this fraction all of it.
 const LEAST_PIXEL: f32 = 0.4;
+// A mip level is blended with the next one over this fraction of the distance between them: most pixels read one level only.
+const BLENDED: f32 = 0.25;
+// The tile's variance at a mip level falls from 1 to 0 between levels 0 and this one, that of smoothed values between these two. A test measures it.
+const EMPTY_LEVEL: f32 = 6.3;
+const SOFT_LEVELS: vec2f = vec2f(-2.7, 4.0);
+
+// Structures at a place, their values smoothed over four pixels, and the change of the latter along the ground, per equatorial radius.
+struct Flanked {
+    made: Detail,
+    soft: Detail,
+    change: vec3f,
+}
 
 // At a normal of the ellipsoid, for a map with texels of this size, in pixels of that size, equatorial radii. Scales shown by the map or smaller
 // than a pixel are left out.
 fn structure(up: vec3f, texel: f32, pixel: f32) -> Detail {
-    let coarse = structure_of_size(up, COARSE_TILES, texel, pixel);
-    let fine = structure_of_size(FINE_TURN * up, FINE_TILES, texel, pixel);
-    let value = coarse.value + FINE_STRENGTH * fine.value;
-    let variance = coarse.variance + FINE_STRENGTH * FINE_STRENGTH * fine.variance;
-    return faded(Detail(value, variance), texel, pixel);
+    let shown = shown_detail(texel, pixel);
+    if shown == 0.0 { return Detail(0.0, 0.0); }
+    return faded(with_finer(structure_of_size(up, COARSE_TILES, texel, pixel), up, texel, pixel), shown);
+}
+
+fn flanked_structure(up: vec3f, texel: f32, pixel: f32) -> Flanked {
+    var out: Flanked;
+    let shown = shown_detail(texel, pixel);
+    if shown == 0.0 { return out; }
+    let scale = scale_at(COARSE_TILES, texel, pixel);
+    let read = sample_tile(up, scale);
+    out.made = faded(with_finer(value_of(read, scale), up, texel, pixel), shown);
+    out.soft = faded(soft_of(read, scale), shown);
+    let per_texel = shown * scale.weight * DETAIL_STEP * DETAIL_SLOPE_STEP * (LAST_CODE * read.ba - DETAIL_MEAN);
+    out.change = along_ground(up, per_texel * texels_per_side(scale.tiles) * exp2(-scale.level));
+    return out;
 }
 
 // Only the larger scale, smoothed.
 fn soft_structure(up: vec3f, texel: f32, pixel: f32) -> Detail {
-    return faded(structure_of_size(up, COARSE_TILES, texel, 4.0 * pixel), texel, pixel);
-}
-
-fn faded(made: Detail, texel: f32, pixel: f32) -> Detail {
-    let shown = 1.0 - smoothstep(LEAST_PIXEL, 1.0, pixel / texel);
-    return Detail(shown * made.value, shown * shown * made.variance);
+    let shown = shown_detail(texel, pixel);
+    if shown == 0.0 { return Detail(0.0, 0.0); }
+    let scale = scale_at(COARSE_TILES, texel, pixel);
+    return faded(soft_of(sample_tile(up, scale), scale), shown);
 }
 
 fn structure_of_size(up: vec3f, tiles: f32, texel: f32, pixel: f32) -> Detail {
-    let own_texel = 0.5 * PI / (tiles * f32(textureDimensions(detail_tile).x));
-    let level = max(log2(pixel / own_texel), 0.0);
-    let byte = LAST_CODE * textureSampleLevel(detail_tile, detail_sampler, 0.5 * tiles * on_cube(up), level).r;
-    let weight = 1.0 - smoothstep(1.5, 6.0, MIDDLE_WAVE * own_texel / texel);
-    // Fraction of the tile's variance at coarser mip levels; a test measures it.
-    let variance = 1.0 - smoothstep(0.0, 6.3, level);
-    return Detail(weight * DETAIL_STEP * (byte - DETAIL_MEAN), weight * weight * variance);
+    let scale = scale_at(tiles, texel, pixel);
+    return value_of(sample_tile(up, scale), scale);
+}
+
+// With the finer scale, where pixels are small enough to show it.
+fn with_finer(coarse: Detail, up: vec3f, texel: f32, pixel: f32) -> Detail {
+    let scale = scale_at(FINE_TILES, texel, pixel);
+    if scale.level >= EMPTY_LEVEL { return coarse; }
+    let fine = value_of(sample_tile(FINE_TURN * up, scale), scale);
+    return Detail(coarse.value + FINE_STRENGTH * fine.value, coarse.variance + FINE_STRENGTH * FINE_STRENGTH * fine.variance);
+}
+
+fn shown_detail(texel: f32, pixel: f32) -> f32 {
+    return 1.0 - smoothstep(LEAST_PIXEL, 1.0, pixel / texel);
+}
+
+fn faded(made: Detail, shown: f32) -> Detail {
+    return Detail(shown * made.value, shown * shown * made.variance);
+}
+
+// How the tile is read at one scale, in pixels of one size.
+struct Scale {
+    tiles: f32,
+    level: f32,
+    // Strength below the map's own structures.
+    weight: f32,
+}
+
+fn scale_at(tiles: f32, texel: f32, pixel: f32) -> Scale {
+    let own_texel = 0.25 * PI / texels_per_side(tiles);
+    let exact = max(log2(pixel / own_texel), 0.0);
+    let level = floor(exact) + saturate((fract(exact) - 0.5) / BLENDED + 0.5);
+    return Scale(tiles, level, 1.0 - smoothstep(1.5, 6.0, MIDDLE_WAVE * own_texel / texel));
+}
+
+// Along half an edge of the cube: per unit of `on_cube`.
+fn texels_per_side(tiles: f32) -> f32 {
+    return 0.5 * tiles * f32(textureDimensions(detail_tile).x);
+}
+
+fn sample_tile(up: vec3f, scale: Scale) -> vec4f {
+    return textureSampleLevel(detail_tile, detail_sampler, 0.5 * scale.tiles * on_cube(up), scale.level);
+}
+
+fn value_of(read: vec4f, scale: Scale) -> Detail {
+    return detail_of(read.r, scale.weight, 1.0 - smoothstep(0.0, EMPTY_LEVEL, scale.level));
+}
+
+fn soft_of(read: vec4f, scale: Scale) -> Detail {
+    return detail_of(read.g, scale.weight, 1.0 - smoothstep(SOFT_LEVELS.x, SOFT_LEVELS.y, scale.level));
+}
+
+// Of a channel of the tile.
+fn detail_of(channel: f32, weight: f32, variance: f32) -> Detail {
+    return Detail(weight * DETAIL_STEP * (LAST_CODE * channel - DETAIL_MEAN), weight * weight * variance);
 }
 
 // Coordinates of a direction on the sides of a cube, −1…1 each, in steps of nearly equal angles: (4/π)·atan by its first terms, exact at the edges.
@@ -63,4 +132,27 @@ fn on_cube(direction: vec3f) -> vec2f {
     }
     let square = at * at;
     return at * (1.2732 + square * (-0.3902 + 0.117 * square));
+}
+
+// Gradient on the unit sphere of a quantity that changes this much along the coordinates of `on_cube`.
+fn along_ground(direction: vec3f, change: vec2f) -> vec3f {
+    let size = abs(direction);
+    if size.x >= max(size.y, size.z) {
+        let along = along_side(direction.yz, size.x, change);
+        return vec3f(along.z * sign(direction.x), along.xy);
+    }
+    if size.y >= size.z {
+        let along = along_side(direction.xz, size.y, change);
+        return vec3f(along.x, along.z * sign(direction.y), along.y);
+    }
+    let along = along_side(direction.xy, size.z, change);
+    return vec3f(along.xy, along.z * sign(direction.z));
+}
+
+// The same along the axes of a side, and away from it.
+fn along_side(beside: vec2f, size: f32, change: vec2f) -> vec3f {
+    let at = beside / size;
+    let square = at * at;
+    let steeper = change * (1.2732 + square * (-1.1706 + 0.585 * square));
+    return vec3f(steeper, -dot(at, steeper)) / size;
 }
