@@ -1,5 +1,6 @@
 //! Where the Sun is, and the axes between the stars and the Earth.
 
+use super::earth_motion::earth_motion;
 use super::time::JulianDate;
 use super::{Epoch, Orientation, itrf_from_gcrf_oriented, sun};
 use glam::{DMat3, DVec3};
@@ -12,9 +13,8 @@ pub const ASTRONOMICAL_UNIT_M: f64 = 149_597_870_700.0;
 /// From 1900 to 2100 by VSOP2000 (simplified): within 7 km and 0.01″ of DE440 for the dates of the tests. Outside these years by Meeus'
 /// low-precision formula: accurate to 0.012° and 0.0001 au near them, less with every century.
 pub fn sun_position_gcrf_m(epoch: Epoch) -> DVec3 {
-    let tt = JulianDate::tt(epoch);
-    match sofars::eph::epv00(tt.midnight, tt.fraction) {
-        Some(([earth_au, _], _)) => -DVec3::from(earth_au) * ASTRONOMICAL_UNIT_M,
+    match earth_motion(JulianDate::tt(epoch)) {
+        Some(earth) => -earth.from_sun_au * ASTRONOMICAL_UNIT_M,
         None => {
             let orientation = Orientation::default();
             let direction = sun::low_precision_direction_itrf(epoch, &orientation, 0.0);

@@ -5,6 +5,7 @@
 mod bodies;
 mod calendar;
 mod ccsds;
+mod earth_motion;
 mod earth_orientation;
 mod eclipse;
 mod ellipsoid;

@@ -1,5 +1,6 @@
 //! An observer: the apparent directions of the Sun, the Moon and the stars.
 
+use super::earth_motion::earth_motion;
 use super::rotation::EARTH_ROTATION_RATE_RAD_S;
 use super::sun::aberrated;
 use super::time::JulianDate;
@@ -114,11 +115,10 @@ impl Observer {
 /// The Sun from the Earth, metres, and how the Earth's centre moves about the barycentre, metres a second; GCRF axes.
 fn sun_and_velocity(epoch: Epoch) -> (DVec3, DVec3) {
     const DAY_S: f64 = 86_400.0;
-    let tt = JulianDate::tt(epoch);
-    match sofars::eph::epv00(tt.midnight, tt.fraction) {
-        Some(([earth_au, _], [_, velocity_au_day])) => (
-            -DVec3::from(earth_au) * ASTRONOMICAL_UNIT_M,
-            DVec3::from(velocity_au_day) * (ASTRONOMICAL_UNIT_M / DAY_S),
+    match earth_motion(JulianDate::tt(epoch)) {
+        Some(earth) => (
+            -earth.from_sun_au * ASTRONOMICAL_UNIT_M,
+            earth.velocity_au_day * (ASTRONOMICAL_UNIT_M / DAY_S),
         ),
         // About the Sun instead, 13 m/s from it.
         None => {

@@ -1,5 +1,6 @@
 //! The Sun.
 
+use super::earth_motion::{EarthMotion, earth_motion};
 use super::rotation::{itrf_from_gcrf_oriented, itrf_from_pef, rotation_about_z};
 use super::time::JulianDate;
 use super::{Epoch, Geodetic, Orientation};
@@ -19,14 +20,8 @@ pub fn sun_direction_itrf(epoch: Epoch) -> DVec3 {
 
 /// As [`sun_direction_itrf`], with the measured part of the Earth's rotation: accurate to 0.1″ from 1900 to 2100.
 pub fn sun_direction_itrf_oriented(epoch: Epoch, orientation: &Orientation) -> DVec3 {
-    let tt = JulianDate::tt(epoch);
-    match sofars::eph::epv00(tt.midnight, tt.fraction) {
-        Some((heliocentric, barycentric)) => {
-            let [earth_au, _] = heliocentric;
-            let [_, velocity_au_day] = barycentric;
-            itrf_from_gcrf_oriented(epoch, orientation)
-                * apparent_direction(earth_au, velocity_au_day)
-        }
+    match earth_motion(JulianDate::tt(epoch)) {
+        Some(earth) => itrf_from_gcrf_oriented(epoch, orientation) * apparent_direction(earth),
         None => low_precision_direction_itrf(epoch, orientation, ABERRATION_DEG),
     }
 }
@@ -45,14 +40,14 @@ pub fn subsolar_point(epoch: Epoch) -> Geodetic {
     }
 }
 
-/// The Sun's direction in GCRF from the Earth's position, au, and velocity, au per day.
-fn apparent_direction(earth_au: [f64; 3], velocity_au_day: [f64; 3]) -> DVec3 {
+/// The Sun's direction in GCRF.
+fn apparent_direction(earth: EarthMotion) -> DVec3 {
     // The Sun itself moves 7 km while its light is on the way: 0.01″, left out.
-    let to_sun = -DVec3::from(earth_au);
+    let to_sun = -earth.from_sun_au;
     let distance_au = to_sun.length();
     let natural = to_sun / distance_au;
     // Speed of light, au per day: IAU 2012 astronomical unit over c.
-    let beta = DVec3::from(velocity_au_day) / sofars::consts::DC;
+    let beta = earth.velocity_au_day / sofars::consts::DC;
     aberrated(natural, beta, distance_au)
 }
 
