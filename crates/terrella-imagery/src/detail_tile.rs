@@ -94,59 +94,65 @@ fn decoded(jpeg: &[u8]) -> Result<LayerImage, String> {
     })
 }
 
-/// The four bytes of each texel of a level with rows of this length: see [`detail_tile`].
+/// The four bytes of each texel of a level with rows of this length, a power of two: see [`detail_tile`].
 fn with_flanks(values: &[u8], width: usize) -> Vec<u8> {
     let soft = smoothed(values, width);
-    let slope = |after: usize, before: usize| {
-        let steps = (soft[after] - soft[before]) / (2.0 * DETAIL_SLOPE_STEP);
-        byte(DETAIL_MEAN + steps)
-    };
-    let next = |at: usize| (at + 1) % width;
-    let last = |at: usize| (at + width - 1) % width;
-    let mut texels = Vec::with_capacity(4 * values.len());
-    for row in 0..width {
-        for column in 0..width {
-            let at = row * width + column;
-            let right = slope(row * width + next(column), row * width + last(column));
-            let down = slope(next(row) * width + column, last(row) * width + column);
-            texels.extend([values[at], byte(soft[at]), right, down]);
+    let row_of = |row: usize| &soft[row % width * width..][..width];
+    let mut texels = vec![0; 4 * values.len()];
+    for (row, texels) in texels.chunks_exact_mut(4 * width).enumerate() {
+        let (above, here, below) = (row_of(row + width - 1), row_of(row), row_of(row + 1));
+        let values = &values[row * width..][..width];
+        for (column, texel) in texels.chunks_exact_mut(4).enumerate() {
+            let [before, after] = [column + width - 1, column + 1].map(|at| here[at & (width - 1)]);
+            texel.copy_from_slice(&[
+                values[column],
+                ((u32::from(here[column]) + WEIGHT / 2) / WEIGHT) as u8,
+                slope(before, after),
+                slope(above[column], below[column]),
+            ]);
         }
     }
     texels
 }
 
-fn byte(value: f32) -> u8 {
-    value.round().clamp(0.0, 255.0) as u8
+/// Byte of the slope at a texel between two.
+fn slope(before: u16, after: u16) -> u8 {
+    let steps = (f32::from(after) - f32::from(before)) / (2.0 * WEIGHT as f32);
+    (DETAIL_MEAN + steps / DETAIL_SLOPE_STEP)
+        .round()
+        .clamp(0.0, 255.0) as u8
 }
 
-/// Weights of the mean of four means of four neighbours.
-const TRIANGLE: [f32; 7] = [0.0625, 0.125, 0.1875, 0.25, 0.1875, 0.125, 0.0625];
+/// Sum of the weights of [`smoothed`].
+const WEIGHT: u32 = 256;
 
-/// A square that repeats, averaged with these weights along rows and along columns.
-fn smoothed(values: &[u8], width: usize) -> Vec<f32> {
+/// A square that repeats, smoothed along rows and along columns: the mean of four means of four neighbours, times [`WEIGHT`].
+fn smoothed(values: &[u8], width: usize) -> Vec<u16> {
     let wrapped = |at: usize| (at + 3 * width - 3) % width;
     let mut along_rows = Vec::with_capacity(values.len());
-    for row in values.chunks(width) {
-        let row: Vec<f32> = (0..width + 6)
-            .map(|at| f32::from(row[wrapped(at)]))
+    for row in values.chunks_exact(width) {
+        let row: Vec<u16> = (0..width + 6)
+            .map(|at| u16::from(row[wrapped(at)]))
             .collect();
-        along_rows.extend(row.windows(7).map(weighted));
+        along_rows.extend(weighted(std::array::from_fn(|tap| &row[tap..][..width])));
     }
     let mut soft = Vec::with_capacity(values.len());
     for row in 0..width {
-        let near: [&[f32]; 7] =
-            std::array::from_fn(|tap| &along_rows[wrapped(row + tap) * width..][..width]);
-        soft.extend((0..width).map(|column| weighted(&near.map(|row| row[column]))));
+        let near = |tap: usize| &along_rows[wrapped(row + tap) * width..][..width];
+        soft.extend(weighted(std::array::from_fn(near)));
     }
     soft
 }
 
-fn weighted(near: &[f32]) -> f32 {
-    let products = near
+/// Sums of seven lines of the same length, with the weights 1 2 3 4 3 2 1.
+fn weighted([a, b, c, d, e, f, g]: [&[u16]; 7]) -> impl Iterator<Item = u16> {
+    let pairs = a
         .iter()
-        .zip(TRIANGLE)
-        .map(|(value, weight)| value * weight);
-    products.sum()
+        .zip(g)
+        .zip(b.iter().zip(f))
+        .zip(c.iter().zip(e))
+        .zip(d);
+    pairs.map(|((((a, g), (b, f)), (c, e)), d)| a + g + 2 * (b + f) + 3 * (c + e) + 4 * d)
 }
 
 #[cfg(test)]
