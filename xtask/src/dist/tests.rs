@@ -356,6 +356,7 @@ fn the_wheel_draws_a_first_picture() {
         "night_lights.png",
         "place_names.bin",
         "places.bin",
+        "seasons.png",
         "stars.bin",
         "water.png",
     ] {

@@ -1,0 +1,231 @@
+//! Ice on the sea, from monthly temperatures of its surface. Ice lies where the water is coldest, and in each month on as much of a hemisphere as
+//! the satellites' long-term mean.
+
+use super::{COLUMNS, Grid, MONTHS, ROWS, area, blurred, latitude};
+use anyhow::{Context, Result, bail, ensure};
+use std::path::Path;
+
+/// Mean extent of the ice of each month north and south of the equator, 1981 to 2010, million km²: NSIDC Sea Ice Index (Fetterer and others).
+const EXTENT: [[f64; MONTHS]; 2] = [
+    [
+        14.4, 15.3, 15.4, 14.7, 13.3, 11.8, 9.5, 7.2, 6.4, 8.4, 10.7, 12.8,
+    ],
+    [
+        5.0, 3.1, 4.0, 6.9, 10.1, 13.4, 16.0, 17.6, 18.5, 18.1, 16.0, 11.2,
+    ],
+];
+/// Latitudes beyond which ice may be, north and south.
+const LEAST_LATITUDE: [f64; 2] = [40.0, 45.0];
+/// Rise of the temperature from all ice to none, °C, and the cover where the extent ends.
+const EDGE: f64 = 0.5;
+const COVER_AT_EXTENT: f64 = 0.15;
+/// Smoothing of the temperatures north and south of the equator, degrees: they have a cell for every two, and few ships have measured beside
+/// Antarctica.
+const SMOOTHED: [f64; 2] = [1.5, 6.0];
+
+/// Cells of the source: two degrees wide, from 89.5° S and 20.5° E.
+const SOURCE: (usize, usize) = (180, 90);
+const FIRST: (f64, f64) = (20.5, -89.5);
+const STEP: f64 = 2.0;
+
+/// Temperatures at the surface in the middle of each month, °C, on land those of the nearest sea.
+pub fn read(path: &Path) -> Result<Vec<Grid>> {
+    let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+    let maps = surface(&bytes).with_context(|| path.display().to_string())?;
+    Ok(maps
+        .into_iter()
+        .map(|map| smoothed(&resampled(&filled(map))))
+        .collect())
+}
+
+/// The variable TEMP of a netCDF file in the classic format, (time, depth, latitude, longitude): its first depth.
+fn surface(bytes: &[u8]) -> Result<Vec<Vec<Option<f64>>>> {
+    let mut header = Header { bytes, at: 4 };
+    ensure!(
+        bytes.starts_with(b"CDF\x01"),
+        "it is no netCDF file of the first version"
+    );
+    let _records = header.word()?;
+    let mut sizes = Vec::new();
+    for _ in 0..header.list()? {
+        header.name()?;
+        sizes.push(header.word()? as usize);
+    }
+    header.skip_attributes()?;
+    let (mut found, mut record_bytes) = (None, 0);
+    for _ in 0..header.list()? {
+        let name = header.name()?;
+        let mut shape = Vec::new();
+        for _ in 0..header.word()? {
+            let dimension = header.word()? as usize;
+            shape.push(*sizes.get(dimension).context("a dimension is missing")?);
+        }
+        header.skip_attributes()?;
+        let [kind, bytes, begin] = [header.word()?, header.word()?, header.word()?];
+        if shape.first() == Some(&0) {
+            record_bytes += bytes as usize;
+        }
+        if name == b"TEMP" {
+            ensure!(kind == 5, "TEMP has no 32-bit floating-point numbers");
+            found = Some((shape, begin as usize));
+        }
+    }
+    let Some((shape, begin)) = found else {
+        bail!("it has no variable TEMP")
+    };
+    let [months, depths, rows, columns] = shape[..] else {
+        bail!("TEMP has {} dimensions", shape.len())
+    };
+    ensure!(
+        (columns, rows) == SOURCE,
+        "TEMP has {columns} × {rows} cells"
+    );
+    ensure!(months == 0 || months == MONTHS, "TEMP has {months} months");
+    let stride = if months == 0 {
+        record_bytes
+    } else {
+        depths * rows * columns * 4
+    };
+    (0..MONTHS)
+        .map(|month| {
+            let from = begin + month * stride;
+            let values = bytes
+                .get(from..from + rows * columns * 4)
+                .context("it ends early")?;
+            let (values, _) = values.as_chunks::<4>();
+            Ok(values
+                .iter()
+                .map(|value| Some(f64::from(f32::from_be_bytes(*value))).filter(|t| *t > -100.0))
+                .collect())
+        })
+        .collect()
+}
+
+/// A header that is read from its start.
+struct Header<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Header<'a> {
+    fn word(&mut self) -> Result<u32> {
+        let bytes = self
+            .bytes
+            .get(self.at..self.at + 4)
+            .context("its header ends early")?;
+        self.at += 4;
+        Ok(u32::from_be_bytes(bytes.try_into()?))
+    }
+
+    /// The length of a list, after its tag.
+    fn list(&mut self) -> Result<u32> {
+        self.word()?;
+        self.word()
+    }
+
+    fn name(&mut self) -> Result<&'a [u8]> {
+        let length = self.word()? as usize;
+        let name = self
+            .bytes
+            .get(self.at..self.at + length)
+            .context("its header ends early")?;
+        self.at += length.next_multiple_of(4);
+        Ok(name)
+    }
+
+    fn skip_attributes(&mut self) -> Result<()> {
+        for _ in 0..self.list()? {
+            self.name()?;
+            let bytes = [0, 1, 1, 2, 4, 4, 8].get(self.word()? as usize).copied();
+            let length =
+                self.word()? as usize * bytes.context("an attribute of an unknown type")?;
+            self.at += length.next_multiple_of(4);
+        }
+        Ok(())
+    }
+}
+
+/// Cells without a value get the mean of their neighbours, ring by ring.
+fn filled(mut map: Vec<Option<f64>>) -> Vec<f64> {
+    let (columns, rows) = SOURCE;
+    while map.iter().any(Option::is_none) && map.iter().any(Option::is_some) {
+        let old = map.clone();
+        for (cell, value) in map
+            .iter_mut()
+            .enumerate()
+            .filter(|(_, value)| value.is_none())
+        {
+            let (column, row) = (cell % columns, cell / columns);
+            let beside = [(column + 1) % columns, (column + columns - 1) % columns];
+            let beside = beside.map(|column| row * columns + column);
+            let above = [row.saturating_sub(1), (row + 1).min(rows - 1)];
+            let above = above.map(|row| row * columns + column);
+            let near: Vec<_> = beside
+                .iter()
+                .chain(&above)
+                .filter_map(|cell| old[*cell])
+                .collect();
+            if !near.is_empty() {
+                *value = Some(near.iter().sum::<f64>() / near.len() as f64);
+            }
+        }
+    }
+    map.into_iter().map(Option::unwrap_or_default).collect()
+}
+
+/// Smoothed; south of the equator no cell is warmer than one to the north of it, so that there are no holes in the ice.
+fn smoothed(map: &Grid) -> Grid {
+    let [north, south] = SMOOTHED.map(|sigma| blurred(map, sigma));
+    let equator = COLUMNS * ROWS / 2;
+    let mut map = [&north[..equator], &south[equator..]].concat();
+    for cell in equator + COLUMNS..map.len() {
+        map[cell] = map[cell].min(map[cell - COLUMNS]);
+    }
+    map
+}
+
+/// Bilinear values at the middles of the grid's cells.
+fn resampled(map: &[f64]) -> Grid {
+    let (columns, rows) = SOURCE;
+    let cells = 0..COLUMNS * ROWS;
+    let values = cells.map(|cell| {
+        let longitude = (cell % COLUMNS) as f64 + 0.5 - 180.0;
+        let x = (longitude - FIRST.0).rem_euclid(360.0) / STEP;
+        let y = ((latitude(cell / COLUMNS) - FIRST.1) / STEP).clamp(0.0, (rows - 1) as f64);
+        let (west, south) = (x as usize % columns, (y as usize).min(rows - 2));
+        let (u, v) = (x.fract(), y - south as f64);
+        let along = |row: usize| {
+            let [west, east] =
+                [west, (west + 1) % columns].map(|column| map[row * columns + column]);
+            west + u * (east - west)
+        };
+        along(south) + v * (along(south + 1) - along(south))
+    });
+    values.collect()
+}
+
+/// Cover with ice in a month of these temperatures, 0…1; on land that of the nearest sea.
+pub fn ice(temperatures: &Grid, land: &Grid, month: usize) -> Grid {
+    let hemisphere = |cell: usize| usize::from(latitude(cell / COLUMNS) < 0.0);
+    let is_within =
+        |cell: &usize| latitude(cell / COLUMNS).abs() > LEAST_LATITUDE[hemisphere(*cell)];
+    let last = [0, 1].map(|side| {
+        let cells = (0..temperatures.len()).filter(|cell| hemisphere(*cell) == side);
+        let mut cells: Vec<_> = cells.filter(is_within).collect();
+        cells.sort_by(|a, b| temperatures[*a].total_cmp(&temperatures[*b]));
+        let mut covered = 0.0;
+        let last = cells.iter().find(|cell| {
+            covered += (1.0 - land[**cell]) * area(**cell);
+            covered >= EXTENT[side][month]
+        });
+        last.map_or(f64::NEG_INFINITY, |cell| temperatures[*cell])
+    });
+    let cover = (0..temperatures.len()).map(|cell| match is_within(&cell) {
+        true => {
+            let colder = last[hemisphere(cell)] - temperatures[cell];
+            (colder / EDGE + COVER_AT_EXTENT).clamp(0.0, 1.0)
+        }
+        false => 0.0,
+    });
+    cover.collect()
+}
