@@ -20,6 +20,7 @@
 //! | `colour.rs` | colour metadata and orientation of files |
 //! | `find.rs` | search for the starter pack |
 //! | `slopes.rs` | terrain slopes from elevations, and those of cloud tops |
+//! | `season.rs` | snow and sea ice by month, painted into the maps |
 //! | `sea.rs` | separation of land and sea in the day map, with a water map |
 //! | `mips.rs`, `srgb.rs` | smaller levels, averaged in linear light |
 //! | `summary.rs` | properties of a map without its texels |
@@ -56,6 +57,7 @@ pub mod pack;
 mod picture;
 pub mod residency;
 mod sea;
+mod season;
 pub mod slopes;
 pub mod srgb;
 #[cfg(feature = "packs")]
@@ -79,7 +81,7 @@ pub use ground_kinds::{CELLS_AROUND, GroundKind, GroundKinds, MOST_PIXEL_M, MapG
 pub use layer::{EarthLayers, LayerImage};
 pub use load::{
     DamagedLayer, LayerSelection, load_color_map, load_color_map_in, load_day_map, load_layers,
-    load_layers_to, load_whole_layers,
+    load_layers_in, load_layers_to, load_whole_layers,
 };
 pub use load::{colour_note, day_file};
 pub use map_bands::MapBands;
@@ -89,6 +91,7 @@ pub use map_rows::{KeptInMemory, MapRows, MapSink};
 pub use open_water::{MAX_WATER_COLUMNS, open_water};
 pub use picture::{RgbaPicture, decode_rgba};
 pub use sea::FLOOR_SEEN_M;
+pub use season::{SEASONS_FILE, Season};
 pub use slopes::{
     ELEVATION_OFFSET_M, POLE_FADE_DEG, SLOPE_EXAGGERATION, SlopeMap, slopes_from_clouds,
     slopes_from_elevation,

@@ -8,7 +8,8 @@ use super::layer::{EarthLayers, LayerImage};
 use super::map_file::{MapFile, read_file};
 use super::map_folder::MapFolder;
 use super::map_rows::{KeptInMemory, MapBuilder, MapSink};
-use super::sea::{SeaFloor, grow_land};
+use super::sea::{SeaFloor, grow_land, water_at};
+use super::season::Season;
 use super::slopes::{ELEVATION_OFFSET_M, SLOPE_EXAGGERATION, slopes_from_elevation};
 use super::texel::TexelFormat;
 use super::tile::MapLayer;
@@ -189,11 +190,24 @@ pub fn load_layers_to<'f>(
     selection: LayerSelection,
     sink: &dyn MapSink,
 ) -> Result<(EarthLayers, Vec<DamagedLayer>), ImageryError> {
+    load_layers_in(folder, selection, None, sink)
+}
+
+/// As [`load_layers_to`], with the snow and the sea's ice of a season; the latter only with the water map, which is then of open water.
+///
+/// # Errors
+/// As [`load_layers_to`].
+pub fn load_layers_in<'f>(
+    folder: impl Into<MapFolder<'f>>,
+    selection: LayerSelection,
+    season: Option<&Season>,
+    sink: &dyn MapSink,
+) -> Result<(EarthLayers, Vec<DamagedLayer>), ImageryError> {
     let folder = folder.into();
     let (send, terrain) = mpsc::channel();
     let others = move || {
         // The day map waits for it.
-        let _ = send.send(load_terrain(folder, selection, sink));
+        let _ = send.send(load_terrain(folder, selection, season, sink));
         let load = |wanted: bool, load: fn(_, _) -> _| wanted.then(|| load(folder, sink));
         [
             load(selection.clouds, load_clouds),
@@ -205,7 +219,7 @@ pub fn load_layers_to<'f>(
         let day = read_day(folder);
         match terrain.recv() {
             Ok(Ok(mut terrain)) => {
-                let day = day.and_then(|day| day.image(&mut terrain, sink));
+                let day = day.and_then(|day| day.image(&mut terrain, season, sink));
                 (Ok(terrain), day)
             }
             Ok(Err(error)) => (Err(error), day.map(DayTexels::description)),
@@ -334,11 +348,16 @@ impl DayTexels {
     fn image(
         mut self,
         terrain: &mut Terrain,
+        season: Option<&Season>,
         sink: &dyn MapSink,
     ) -> Result<LayerImage, ImageryError> {
         let (size, width) = ((self.width, self.height), self.width as usize);
         if let Some(shares) = terrain.shares.take() {
             grow_land(&mut self.rgba, width, &shares);
+            if let Some(season) = season {
+                let water = water_at(&shares, width, self.height as usize);
+                season.paint(&mut self.rgba, width, &water);
+            }
             match terrain.floor.take() {
                 Some(floor) => floor.write_alpha(&mut self.rgba, width),
                 None => self
@@ -405,10 +424,10 @@ pub fn load_day_map(
         ..selection
     };
     let day = read_color(path, "day")?;
-    let mut terrain = load_terrain(MapFolder::Disk(dir), sea, &KeptInMemory)?;
+    let mut terrain = load_terrain(MapFolder::Disk(dir), sea, None, &KeptInMemory)?;
     match terrain.damaged.pop() {
         Some(damaged) => Err(damaged.error),
-        None => day.image(&mut terrain, &KeptInMemory),
+        None => day.image(&mut terrain, None, &KeptInMemory),
     }
 }
 
@@ -445,13 +464,14 @@ struct Terrain {
 fn load_terrain(
     folder: MapFolder<'_>,
     selection: LayerSelection,
+    season: Option<&Season>,
     sink: &dyn MapSink,
 ) -> Result<Terrain, ImageryError> {
     // Explicitly requested normals must exist; the sea can be drawn without its floor.
     let is_needed = selection.normals || selection.water && folder.has(ELEVATION_NAME);
     let mut damaged = Vec::new();
     // In the order in which errors are reported; but the largest map is read first.
-    let water = selection.water.then(|| load_water(folder, sink));
+    let water = selection.water.then(|| load_water(folder, season, sink));
     let elevation = is_needed.then(|| Elevation::read(folder));
     let elevation = whole(elevation, MapLayer::Normals, &mut damaged)?;
     let water = whole(water, MapLayer::Water, &mut damaged)?.flatten();
@@ -475,10 +495,15 @@ fn load_terrain(
 /// A water map, and the levels of it that other maps are made with.
 struct Water {
     map: LayerImage,
+    /// Without ice.
     shares: LayerImage,
 }
 
-fn load_water(folder: MapFolder<'_>, sink: &dyn MapSink) -> Result<Option<Water>, ImageryError> {
+fn load_water(
+    folder: MapFolder<'_>,
+    season: Option<&Season>,
+    sink: &dyn MapSink,
+) -> Result<Option<Water>, ImageryError> {
     // Other maps are made with levels at least as wide as they are themselves.
     let day = folder.first(&DAY_NAMES).into_iter();
     let widths = day.chain([ELEVATION_NAME]);
@@ -494,7 +519,10 @@ fn load_water(folder: MapFolder<'_>, sink: &dyn MapSink) -> Result<Option<Water>
         }
         file => file?,
     };
-    let (map, shares) = file.map((MapLayer::Water, sink), Some(widest))?;
+    let (map, shares) = match season {
+        Some(season) => file.map_in(season, (MapLayer::Water, sink), widest)?,
+        None => file.map((MapLayer::Water, sink), Some(widest))?,
+    };
     Ok(Some(Water { map, shares }))
 }
 

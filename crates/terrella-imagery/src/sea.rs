@@ -24,7 +24,7 @@ const SEA_REACH: isize = 3;
 pub const FLOOR_SEEN_M: f64 = 40.0;
 
 /// How much of each texel of a map of this size is water, 0…255, from the water map's level that is nearest in size.
-fn water_at(water: &LayerImage, width: usize, height: usize) -> Cow<'_, [u8]> {
+pub(super) fn water_at(water: &LayerImage, width: usize, height: usize) -> Cow<'_, [u8]> {
     let level = water.level_of_width(width);
     let (from_width, from_height) = water.level_size(level);
     let (from_width, from_height) = (from_width as usize, from_height as usize);

@@ -1,0 +1,326 @@
+//! Snow and sea ice of a time of year, painted into the maps of the ground.
+
+use super::error::ImageryError;
+use super::grey::GreyFile;
+use super::layer::LayerImage;
+use super::map_folder::MapFolder;
+
+/// The file of a folder with the snow and ice of each month.
+pub const SEASONS_FILE: &str = "seasons.png";
+
+const MONTHS: usize = 12;
+/// Maps in a row of the file, and rows of them: it is twice as wide as high, as each of them is.
+const ACROSS: usize = 5;
+
+/// Colour of snow on land, and of the sea's ice with its snow, sRGB.
+const SNOW: [f32; 3] = [236.0, 239.0, 243.0];
+const ICE: [f32; 3] = [222.0, 230.0, 237.0];
+
+/// Fraction of the snow that is seen from above in forests, whose brightest and darkest colours are these, sRGB.
+const SEEN_IN_FORESTS: f32 = 0.4;
+const FORESTS: [f32; 2] = [45.0, 110.0];
+
+/// Snow on land and ice on the sea at one time of year.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Season {
+    snow: Cover,
+    ice: Cover,
+}
+
+/// Covered fraction, on an equirectangular map, north row first, from 180° W.
+#[derive(Clone, Debug, PartialEq)]
+struct Cover {
+    width: usize,
+    values: Vec<f32>,
+}
+
+impl Season {
+    /// Reads `seasons.png` of a folder, 8-bit grey: five by five maps of the whole Earth, row by row. The first twelve are the cover of land with
+    /// snow, 0…1, in the middles of the months from January on, the next twelve that of the sea with ice. Months pass into each other. `years` is the
+    /// time since the start of a year, as a fraction of it.
+    ///
+    /// # Errors
+    /// An invalid map, with its path, the cause and the remedy. `None` if there is no file.
+    pub fn load<'f>(
+        folder: impl Into<MapFolder<'f>>,
+        years: f64,
+    ) -> Result<Option<Self>, ImageryError> {
+        let folder = folder.into();
+        if !folder.has(SEASONS_FILE) {
+            return Ok(None);
+        }
+        let maps = GreyFile::read(folder, SEASONS_FILE, "seasons")?.level_0()?;
+        Ok(Some(Self {
+            snow: Cover::between(&maps, 0, years),
+            ice: Cover::between(&maps, MONTHS, years),
+        }))
+    }
+
+    /// Takes the frozen part from a row of a map of open water of this size.
+    pub(super) fn freeze(&self, row: usize, size: (usize, usize), water: &mut [u8]) {
+        let mut cover = Vec::new();
+        if self.ice.along_row(row, size, &mut cover) {
+            for (water, cover) in water.iter_mut().zip(&cover) {
+                *water = (f32::from(*water) * (1.0 - cover)).round() as u8;
+            }
+        }
+    }
+
+    /// Paints snow and ice into the colours of a map, RGBA texels `width` to a row. `water` has its size, and says how much of each is water.
+    pub(super) fn paint(&self, rgba: &mut [u8], width: usize, water: &[u8]) {
+        let height = water.len() / width.max(1);
+        let (mut snow, mut ice) = (Vec::new(), Vec::new());
+        let rows = rgba
+            .chunks_exact_mut(4 * width)
+            .zip(water.chunks_exact(width));
+        for (row, (texels, water)) in rows.enumerate() {
+            let has_snow = self.snow.along_row(row, (width, height), &mut snow);
+            let has_ice = self.ice.along_row(row, (width, height), &mut ice);
+            if !has_snow && !has_ice {
+                continue;
+            }
+            let (texels, _) = texels.as_chunks_mut::<4>();
+            for (column, texel) in texels.iter_mut().enumerate() {
+                let (snow, ice) = (snow[column], ice[column]);
+                if snow > 0.0 || ice > 0.0 {
+                    paint_texel(texel, f32::from(water[column]) / 255.0, snow, ice);
+                }
+            }
+        }
+    }
+}
+
+impl Cover {
+    /// At a fraction of a year, between maps of the middles of months, the first of which has this number.
+    fn between(maps: &LayerImage, first: usize, years: f64) -> Self {
+        let all = maps.width as usize;
+        let (width, rows) = (all / ACROSS, maps.height as usize / ACROSS);
+        let at = years.rem_euclid(1.0) * MONTHS as f64 - 0.5;
+        let part = (at - at.floor()) as f32;
+        let [before, after] = [0, 1].map(|more| {
+            let map = first + (at.floor() as i64 + more).rem_euclid(MONTHS as i64) as usize;
+            let corner = map / ACROSS * rows * all + map % ACROSS * width;
+            (0..rows).flat_map(move |row| corner + row * all..corner + row * all + width)
+        });
+        let texels = &maps.levels[0];
+        let values = before.zip(after).map(|(before, after)| {
+            let [before, after] = [before, after].map(|at| f32::from(texels[at]) / 255.0);
+            before + part * (after - before)
+        });
+        Self {
+            width,
+            values: values.collect(),
+        }
+    }
+
+    /// Values along a row of a map of this size; false if all are 0.
+    fn along_row(&self, row: usize, (width, height): (usize, usize), to: &mut Vec<f32>) -> bool {
+        to.clear();
+        let rows = self.values.len() / self.width;
+        let at = (row as f32 + 0.5) * rows as f32 / height as f32 - 0.5;
+        let part = at - at.floor();
+        let [upper, lower] = [0.0, 1.0].map(|more| {
+            let row = (at.floor() + more).clamp(0.0, rows as f32 - 1.0) as usize;
+            &self.values[row * self.width..][..self.width]
+        });
+        let both = upper.iter().zip(lower);
+        let values: Vec<_> = both
+            .map(|(upper, lower)| upper + part * (lower - upper))
+            .collect();
+        if values.iter().all(|value| *value == 0.0) {
+            to.resize(width, 0.0);
+            return false;
+        }
+        let step = self.width as f32 / width as f32;
+        to.extend((0..width).map(|column| {
+            let at = (column as f32 + 0.5) * step - 0.5 + self.width as f32;
+            let (west, part) = (at as usize, at.fract());
+            let [west, east] = [west, west + 1].map(|column| values[column % self.width]);
+            west + part * (east - west)
+        }));
+        true
+    }
+}
+
+/// Paints a texel of which this fraction is water.
+fn paint_texel(texel: &mut [u8; 4], water: f32, snow: f32, ice: f32) {
+    let color = [texel[0], texel[1], texel[2]].map(f32::from);
+    let brightness = color.iter().sum::<f32>() / 3.0;
+    let forest = 1.0 - smooth(FORESTS, brightness);
+    let white = smooth([0.1, 0.9], snow) * (1.0 - forest * (1.0 - SEEN_IN_FORESTS));
+    // The texel's colour is that of its land and its ice.
+    let (land, ice) = (1.0 - water, water * ice);
+    let shown = (land + ice).max(1e-3);
+    for (channel, code) in texel.iter_mut().take(3).enumerate() {
+        let of_land = color[channel] + white * (SNOW[channel].max(color[channel]) - color[channel]);
+        *code = ((land * of_land + ice * ICE[channel]) / shown).round() as u8;
+    }
+}
+
+fn smooth([first, last]: [f32; 2], value: f32) -> f32 {
+    let t = ((value - first) / (last - first)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{ImageryError, KeptInMemory, LayerSelection, load_layers, load_layers_in};
+    use std::path::Path;
+    use tempfile::TempDir;
+
+    /// Side of a month's map.
+    const SIDE: (u32, u32) = (32, 16);
+    const SELECTED: LayerSelection = LayerSelection {
+        clouds: false,
+        normals: false,
+        night_lights: false,
+        water: true,
+    };
+    /// The middles of months.
+    const JANUARY: f64 = 0.5 / 12.0;
+    const JULY: f64 = 6.5 / 12.0;
+
+    /// Land in the east and sea in the west; snow in the north in January and December, ice in the south in January, both whole.
+    fn folder() -> TempDir {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        write(&path("day.png"), (256, 128), |_, _| vec![120, 110, 90]);
+        write(&path("water.png"), (256, 128), |x, _| {
+            vec![if x < 128 { 255 } else { 0 }]
+        });
+        write(&path(SEASONS_FILE), (5 * SIDE.0, 5 * SIDE.1), |x, y| {
+            let number = y / SIDE.1 * 5 + x / SIDE.0;
+            let is_north = y % SIDE.1 < SIDE.1 / 2;
+            vec![match (number, is_north) {
+                (0 | 11, true) | (12, false) => 255,
+                _ => 0,
+            }]
+        });
+        folder
+    }
+
+    /// Writes a PNG file of grey or colours.
+    fn write(path: &Path, (width, height): (u32, u32), texel: impl Fn(u32, u32) -> Vec<u8>) {
+        let file = std::fs::File::create(path).expect("a file");
+        let mut encoder = png::Encoder::new(file, width, height);
+        encoder.set_color(match texel(0, 0).len() {
+            1 => png::ColorType::Grayscale,
+            _ => png::ColorType::Rgb,
+        });
+        let texels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let texels: Vec<_> = texels.flat_map(|(x, y)| texel(x, y)).collect();
+        let mut writer = encoder.write_header().expect("a header");
+        writer.write_image_data(&texels).expect("writes");
+    }
+
+    /// The colour and the water of the maps at a time of year, at a texel.
+    fn at(folder: &Path, years: f64) -> impl Fn(usize, usize) -> ([u8; 3], u8) {
+        let season = Season::load(folder, years).expect("valid").expect("there");
+        let loaded = load_layers_in(folder, SELECTED, Some(&season), &KeptInMemory);
+        let (layers, damaged) = loaded.expect("valid maps");
+        assert!(damaged.is_empty());
+        let (day, water) = (layers.day, layers.water.expect("selected"));
+        move |x, y| {
+            let at = y * 256 + x;
+            let color = &day.levels[0][4 * at..];
+            ([color[0], color[1], color[2]], water.levels[0][at])
+        }
+    }
+
+    #[test]
+    fn snow_and_ice_are_those_of_the_month() {
+        let folder = folder();
+        let january = at(folder.path(), JANUARY);
+        let (snow, water) = january(200, 20);
+        assert!(
+            snow.iter().all(|code| *code > 230) && water == 0,
+            "{snow:?}"
+        );
+        let (ice, water) = january(50, 100);
+        assert!(
+            ice[2] > 230 && ice[0] < ice[2] && water == 0,
+            "{ice:?} {water}"
+        );
+        // The sea beside snow is open, and the land beside ice has none.
+        assert_eq!(january(50, 20).1, 255);
+        assert_eq!(january(200, 100), ([120, 110, 90], 0));
+        // All mip levels are those of the changed maps.
+        let summer = at(folder.path(), JULY);
+        let plain = load_layers(folder.path(), SELECTED).expect("valid maps");
+        for (x, y) in [(200, 20), (50, 100), (50, 20), (200, 100)] {
+            let texel = 4 * (y * 256 + x);
+            assert_eq!(summer(x, y).0, plain.day.levels[0][texel..texel + 3]);
+        }
+    }
+
+    #[test]
+    fn months_pass_into_each_other_round_the_year() {
+        let folder = folder();
+        let cover = |years: f64| {
+            let season = Season::load(folder.path(), years);
+            let season = season.expect("valid").expect("there");
+            season.snow.values[3 * SIDE.0 as usize]
+        };
+        assert_eq!([cover(JANUARY), cover(JULY), cover(0.0)], [1.0, 0.0, 1.0]);
+        assert!((cover(1.0 / 12.0) - 0.5).abs() < 1e-6);
+        assert!((cover(0.95 + 7.0) - cover(0.95)).abs() < 1e-4);
+    }
+
+    #[test]
+    fn a_map_in_a_sink_is_the_same() {
+        let folder = folder();
+        let season = Season::load(folder.path(), JANUARY).expect("valid");
+        let kept = |sink: &dyn crate::MapSink| {
+            let loaded = load_layers_in(folder.path(), SELECTED, season.as_ref(), sink);
+            loaded.expect("valid maps").0.day
+        };
+        assert!(kept(&KeptInMemory).levels == kept(&WaterElsewhere).levels);
+    }
+
+    /// Takes the water map alone.
+    struct WaterElsewhere;
+
+    impl crate::MapSink for WaterElsewhere {
+        fn begin(
+            &self,
+            layer: crate::tile::MapLayer,
+            size: (u32, u32),
+            format: crate::TexelFormat,
+        ) -> Option<Box<dyn crate::MapRows + '_>> {
+            let is_water = layer == crate::tile::MapLayer::Water;
+            is_water.then(|| crate::map_rows::Dropped.begin(layer, size, format))?
+        }
+    }
+
+    #[test]
+    fn forests_hide_snow() {
+        let painted = |color: [u8; 3]| {
+            let mut texel = [color[0], color[1], color[2], 7];
+            paint_texel(&mut texel, 0.0, 1.0, 0.0);
+            assert_eq!(texel[3], 7);
+            texel[0]
+        };
+        assert_eq!(painted([140, 140, 110]), SNOW[0] as u8);
+        assert!((90..130).contains(&painted([25, 40, 15])));
+        assert_eq!(painted([255, 255, 255]), 255);
+    }
+
+    #[test]
+    fn a_folder_without_seasons_has_none_and_a_damaged_file_is_named() {
+        let folder = folder();
+        let path = folder.path().join(SEASONS_FILE);
+        let bytes = std::fs::read(&path).expect("there");
+        std::fs::write(&path, &bytes[..bytes.len() / 2]).expect("writes");
+        let error = Season::load(folder.path(), 0.0).expect_err("truncated");
+        assert!(matches!(error, ImageryError::Damaged { .. }), "{error}");
+        assert!(error.to_string().contains(SEASONS_FILE), "{error}");
+        write(&path, (80, 80), |_, _| vec![0]);
+        assert!(matches!(
+            Season::load(folder.path(), 0.0),
+            Err(ImageryError::Size { .. })
+        ));
+        std::fs::remove_file(&path).expect("there");
+        assert_eq!(Season::load(folder.path(), 0.0).expect("valid"), None);
+    }
+}
