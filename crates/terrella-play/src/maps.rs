@@ -3,7 +3,8 @@
 use super::dated_maps::set_dated_layers;
 use super::error::PlayError;
 use super::relief::{WaterMap, ground_options};
-use crate::scene::{DatedLayer, PackTable, Scene, StorageChoice};
+use crate::scene::{DatedLayer, PackTable, Scene, StartSource, StorageChoice};
+use hifitime::Unit;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use terrella::frames::Epoch;
@@ -12,8 +13,9 @@ use terrella::{EarthError, EarthOptions, GpuContext, MapUploader, SurfaceLight, 
 use terrella_imagery::pack::{MANIFEST_FILE, Pack, PackTiles};
 use terrella_imagery::tile::{MapLayer, Storage};
 use terrella_imagery::{
-    CityLights, DamagedLayer, EarthLayers, KeptInMemory, LayerSelection, MapSink, PLACES_FILE,
-    SLOPE_EXAGGERATION, find_textures, load_layers_to, slopes_from_clouds,
+    CityLights, DamagedLayer, EarthLayers, ImageryError, KeptInMemory, LayerSelection, MapSink,
+    PLACES_FILE, SEASONS_FILE, SLOPE_EXAGGERATION, Season, find_textures, load_layers_in,
+    slopes_from_clouds,
 };
 
 /// Loads the maps of a scene at its start and builds its options. `bc` is the adapter's support of compressed textures.
@@ -52,7 +54,7 @@ fn options_of(
     let table = &scene.earth;
     let mut options = match &table.pack {
         Some(pack) => pack_options(scene, pack, bc)?,
-        None => folder_options(scene, gpu)?,
+        None => folder_options(scene, epoch, gpu)?,
     };
     set_dated_layers(scene, epoch, &mut options.layers)?;
     options.figure = table.figure;
@@ -128,6 +130,8 @@ pub(super) fn map_files(scene: &Scene) -> Result<Vec<PathBuf>, PlayError> {
     let mut files = selection.files_in(&folder);
     let places = folder.join(PLACES_FILE);
     files.extend((has_city_lights(scene, selection) && places.is_file()).then_some(places));
+    let seasons = folder.join(SEASONS_FILE);
+    files.extend((scene.earth.seasons && seasons.is_file()).then_some(seasons));
     Ok(files)
 }
 
@@ -219,7 +223,11 @@ fn storage_of(pack: &Pack, table: &PackTable, bc: BcSupport) -> Result<(Storage,
     })
 }
 
-fn folder_options(scene: &Scene, gpu: Option<&GpuContext>) -> Result<EarthOptions, PlayError> {
+fn folder_options(
+    scene: &Scene,
+    epoch: Epoch,
+    gpu: Option<&GpuContext>,
+) -> Result<EarthOptions, PlayError> {
     let folder = maps_folder(scene)?;
     let table = &scene.earth;
     let is_paper = table.is_paper();
@@ -227,18 +235,24 @@ fn folder_options(scene: &Scene, gpu: Option<&GpuContext>) -> Result<EarthOption
     warn_of(&dropped);
     tracing::info!("maps from {}", folder.display());
     let city_lights = city_lights(scene, &folder, selection)?;
+    let season = season(scene, epoch, &folder)?;
+    let maps = SeasonalMaps {
+        folder: &folder,
+        selection,
+        season,
+    };
     let has_cloud_normals = table.normals && is_paper;
     // Normals of clouds are made from clouds in memory.
     if let Some(gpu) = gpu.filter(|_| !has_cloud_normals) {
         let uploader = MapUploader::new(&gpu.device, &gpu.queue, table.shading);
-        let layers = whole_layers(scene, &folder, selection, &uploader)?;
+        let layers = maps.load(scene, &uploader)?;
         return Ok(EarthOptions {
             uploaded: uploader.finish().map_err(EarthError::from)?,
             city_lights,
             ..EarthOptions::new(layers)
         });
     }
-    let mut options = EarthOptions::new(whole_layers(scene, &folder, selection, &KeptInMemory)?);
+    let mut options = EarthOptions::new(maps.load(scene, &KeptInMemory)?);
     options.city_lights = city_lights;
     if has_cloud_normals {
         take_cloud_normals(&mut options)?;
@@ -271,22 +285,43 @@ fn has_city_lights(scene: &Scene, selection: LayerSelection) -> bool {
     has_detail && selection.night_lights && scene.earth.relief.is_none()
 }
 
-/// Reads the maps of a folder. One that is damaged is an error in a strict scene, else it is left out with a warning; the day map is
-/// needed.
-fn whole_layers(
-    scene: &Scene,
-    folder: &Path,
-    selection: LayerSelection,
-    sink: &dyn MapSink,
-) -> Result<EarthLayers, PlayError> {
-    let (layers, damaged) = load_layers_to(folder, selection, sink)?;
-    for DamagedLayer { layer, error } in damaged {
-        if scene.earth.strict {
-            return Err(error.into());
-        }
-        tracing::warn!("{error}; {} is left out", layer.name());
+/// Snow and sea ice at an epoch, where the scene draws them and its date is known. A damaged file is an error in a strict scene, else there are
+/// none, with a warning.
+fn season(scene: &Scene, epoch: Epoch, folder: &Path) -> Result<Option<Season>, PlayError> {
+    if !scene.earth.seasons || scene.time.start_from == StartSource::Default {
+        return Ok(None);
     }
-    Ok(layers)
+    let (year, ..) = epoch.to_gregorian_utc();
+    let days = (epoch - Epoch::from_gregorian_utc_at_midnight(year, 1, 1)).to_unit(Unit::Day);
+    match Season::load(folder, days / 365.25) {
+        Err(error @ ImageryError::Damaged { .. }) if !scene.earth.strict => {
+            tracing::warn!("{error}; seasons are left out");
+            Ok(None)
+        }
+        season => Ok(season?),
+    }
+}
+
+/// Maps of a folder at a time of year.
+struct SeasonalMaps<'a> {
+    folder: &'a Path,
+    selection: LayerSelection,
+    season: Option<Season>,
+}
+
+impl SeasonalMaps<'_> {
+    /// Reads them. One that is damaged is an error in a strict scene, else it is left out with a warning; the day map is needed.
+    fn load(&self, scene: &Scene, sink: &dyn MapSink) -> Result<EarthLayers, PlayError> {
+        let season = self.season.as_ref();
+        let (layers, damaged) = load_layers_in(self.folder, self.selection, season, sink)?;
+        for DamagedLayer { layer, error } in damaged {
+            if scene.earth.strict {
+                return Err(error.into());
+            }
+            tracing::warn!("{error}; {} is left out", layer.name());
+        }
+        Ok(layers)
+    }
 }
 
 /// The paper's third layer is a normal map of its clouds.

@@ -81,7 +81,7 @@ def test_sets_with_much_night_warn(swept, tmp_path):
 def test_the_card_and_the_manifest_name_licences(swept):
     [day, own] = attribution(ROOT / "textures", ["day.jpg", "mine.png"], [])
     assert "public domain" in day["licence"] and day["source"].endswith("by Reto Stöckli") and "not stated" in own["licence"]
-    files = ["clouds.jpg", "lines.bin", "moon.jpg", "night_lights.png", "place_names.bin", "places.bin", "stars.bin", "water.png"]
+    files = ["clouds.jpg", "lines.bin", "moon.jpg", "night_lights.png", "place_names.bin", "places.bin", "seasons.png", "stars.bin", "water.png"]
     licences = [source["licence"] for source in attribution(ROOT / "textures", files, [])]
     assert not any("below" in licence or "not stated" in licence for licence in licences), licences
     manifest = json.loads((swept / "tar/manifest.json").read_text())

@@ -48,6 +48,14 @@ fn light_is_shown_as_the_scene_says() {
 }
 
 #[test]
+fn seasons_are_on_where_they_can_be() {
+    let seasons = |text: &str| scene(&format!("[earth]\n{text}")).earth.seasons;
+    assert!(seasons("") && seasons("look = \"full\"") && !seasons("seasons = false"));
+    assert!(!seasons("look = \"paper\"") && !seasons("water = false"));
+    assert!(!seasons("surface = \"quadtree\"\nelevation = []"));
+}
+
+#[test]
 fn white_balance_and_grain_are_off_unless_they_are_given() {
     let grade = |text: &str| scene(&format!("[output]\n{text}")).output.grade;
     assert_eq!(grade(""), Grade::NONE);
@@ -223,7 +231,7 @@ fn every_key_is_read() {
          [earth]\nlook = \"paper\"\nstrict = true\nfigure = \"sphere\"\nsubdivision = 48\nvisibility = \"paper\"\n\
          shading = \"paper\"\nclouds = false\nnormals = false\nnight_lights = false\n\
          atmosphere = \"none\"\ntextures = \"maps\"\nsurface = \"blocks\"\n\
-         water = false\naerosol_optical_depth = 0\n\
+         water = false\nseasons = false\naerosol_optical_depth = 0\n\
          [output]\nsize = [16384, 1]\nsamples = 1\n\
          exposure_ev = 1.5\ntone = \"linear\"\n\
          [sky]\nstars = true\nmilky_way = false\nsun = true\nmoon = false\nglare = true\neclipses = false\nstar_gain = 7\nfolder = \"maps\"\n\

@@ -2,7 +2,7 @@
 //! reads its terrain keys.
 
 use super::choices::{Look, StorageChoice};
-use super::dated_maps::{DatedMaps, DatedScene};
+use super::dated_maps::{DatedLayer, DatedMaps, DatedScene};
 use super::error::SceneError;
 use super::field::{Field, PathKind, range_text, whole};
 use super::keys::{PACK, RawEarth, SCREEN, SUNLIT};
@@ -56,6 +56,8 @@ pub struct EarthTable {
     pub relief: Option<ReliefTable>,
     /// Maps that change with the date.
     pub dated_maps: Vec<DatedMaps>,
+    /// Whether snow and sea ice are those of the time of year, if the folder has their map.
+    pub seasons: bool,
 }
 
 impl EarthTable {
@@ -144,6 +146,7 @@ impl SceneText<'_> {
             pack: self.pack(earth, look)?,
             relief,
             dated_maps: Vec::new(),
+            seasons: false,
         };
         let dated = DatedScene {
             is_paper: table.is_paper(),
@@ -152,7 +155,30 @@ impl SceneText<'_> {
             has_pack: table.pack.is_some(),
         };
         table.dated_maps = self.dated_maps(earth, dated)?;
+        table.seasons = self.seasons(&earth.seasons(), &table)?;
         Ok(table)
+    }
+
+    fn seasons(&self, field: &Field<'_, bool>, table: &EarthTable) -> Result<bool, SceneError> {
+        let is_day = |maps: &DatedMaps| maps.layer == DatedLayer::Day;
+        let without = if table.is_paper() {
+            "the paper's shading has no seasons"
+        } else if table.pack.is_some() {
+            "a pack has the snow and ice of its own maps"
+        } else if table.dated_maps.iter().any(is_day) {
+            "day_maps have the snow and ice of their dates"
+        } else if table.relief.is_some() {
+            "terrain has no ice on the sea"
+        } else if !table.water {
+            "without water there is no ice on the sea"
+        } else {
+            return Ok(field.is_on_or(true));
+        };
+        if field.value() == Some(true) {
+            return Err(self.reject(field, format!("{without}; write false, or leave it out")));
+        }
+        field.note(Err(without));
+        Ok(false)
     }
 
     fn surface_light(

@@ -261,6 +261,9 @@ table!(RawEarth = "earth" {
     night_light_maps: RawDatedMaps, of "a list of maps with their dates, or of twelve files, from January on", for SUNLIT;
     /// Whether maps that change with the date pass into each other.
     map_fade: bool, default true, for SUNLIT;
+    /// Whether snow on land and ice on the sea are those of the time of year, where the folder has seasons.png. By default on; off with
+    /// look = "paper", with a pack, with day maps of their own dates, with terrain, and without water.
+    seasons: bool, for SUNLIT;
     /// Whether open water is drawn as such, where the maps have it. By default on; off with look = "paper".
     water: bool;
     /// Deprecated: look = "paper" chooses it. How the level of a block's tiles is chosen. By default "screen"; "paper" with look = "paper".

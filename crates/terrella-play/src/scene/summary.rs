@@ -333,6 +333,7 @@ impl Scene {
             ("normals", self.earth.normals),
             ("night lights", self.earth.night_lights),
             ("water", self.earth.water),
+            ("seasons", self.earth.seasons),
         ]
     }
 
