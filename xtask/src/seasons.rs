@@ -30,7 +30,7 @@ pub fn run(climates: &Path, ocean: &Path, textures: &Path) -> Result<()> {
         maps.push(climates.snow(month));
     }
     for (month, temperatures) in temperatures.iter().enumerate() {
-        maps.push(ocean::ice(temperatures, &climates.land, month));
+        maps.push(ocean::ice(temperatures, &climates, month));
     }
     report(&maps, &climates.land);
     let mut pixels = vec![0; ACROSS * COLUMNS * ACROSS * ROWS];
@@ -94,12 +94,12 @@ fn area(cell: usize) -> f64 {
 
 /// A grid smoothed by a Gaussian of this standard deviation, degrees on the ground.
 fn blurred(grid: &Grid, sigma: f64) -> Grid {
-    let reach = (3.0 * sigma).ceil() as isize;
+    let weights = gaussian(sigma);
+    let reach = weights.len() as isize / 2;
     let mut down = vec![0.0; grid.len()];
     for (row, to) in down.chunks_mut(COLUMNS).enumerate() {
-        for step in -reach..=reach {
+        for (weight, step) in weights.iter().zip(-reach..) {
             let from = (row as isize + step).clamp(0, ROWS as isize - 1) as usize * COLUMNS;
-            let weight = (-0.5 * (step as f64 / sigma).powi(2)).exp();
             for (to, from) in to.iter_mut().zip(&grid[from..]) {
                 *to += weight * from;
             }
@@ -109,17 +109,23 @@ fn blurred(grid: &Grid, sigma: f64) -> Grid {
     for (row, values) in down.chunks(COLUMNS).enumerate() {
         // Half the Earth is wide enough near the poles.
         let sigma = (sigma / latitude(row).to_radians().cos()).min(COLUMNS as f64 / 6.0);
-        let reach = (3.0 * sigma).ceil() as isize;
-        let weights = (-reach..=reach).map(|step| (-0.5 * (step as f64 / sigma).powi(2)).exp());
-        let weights: Vec<_> = weights.collect();
-        let sum: f64 = weights.iter().sum();
+        let weights = gaussian(sigma);
+        let reach = weights.len() as isize / 2;
         out.extend((0..COLUMNS as isize).map(|column| {
-            let taps = weights.iter().zip(-reach..=reach);
-            let taps = taps.map(|(weight, step)| {
+            let taps = weights.iter().zip(-reach..).map(|(weight, step)| {
                 weight * values[(column + step).rem_euclid(COLUMNS as isize) as usize]
             });
-            taps.sum::<f64>() / sum
+            taps.sum::<f64>()
         }));
     }
     out
+}
+
+/// Weights of a Gaussian of this standard deviation, cells; their sum is 1.
+fn gaussian(sigma: f64) -> Vec<f64> {
+    let reach = (3.0 * sigma).ceil() as isize;
+    let weights = (-reach..=reach).map(|step| (-0.5 * (step as f64 / sigma).powi(2)).exp());
+    let weights: Vec<_> = weights.collect();
+    let sum: f64 = weights.iter().sum();
+    weights.iter().map(|weight| weight / sum).collect()
 }

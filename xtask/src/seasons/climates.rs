@@ -11,6 +11,13 @@ const YEAR_DAYS: f64 = 365.25;
 /// Temperatures below which the first snow lies and above which not all is white, °C.
 const FIRST_SNOW: f64 = 5.0;
 const ALL_WHITE: f64 = -3.0;
+/// Days after the land's snow when the ice of a sea with land on all sides is strongest, and temperatures of the land about it between which it
+/// freezes, °C.
+const ICE_LAG_DAYS: f64 = 45.0;
+const FREEZING: [f64; 2] = [-1.0, -5.0];
+/// Fraction of land about such a sea, by a Gaussian of this many degrees.
+const ENCLOSED: [f64; 2] = [0.35, 0.45];
+const ABOUT: f64 = 4.0;
 /// Transition between classes, degrees on the ground.
 const TRANSITION: f64 = 1.2;
 /// Class of permanent frost, and the last class of land.
@@ -26,6 +33,8 @@ pub struct Climates {
     frost: Grid,
     /// Fraction of land.
     pub land: Grid,
+    /// How much the sea is one with land on all sides, 0…1.
+    pub enclosed: Grid,
 }
 
 /// Mean and swing, °C, and the fraction of snow that lies, of a class at a latitude. Names as in the package: numbers are alphabetical.
@@ -104,31 +113,51 @@ pub fn read(path: &Path) -> Result<Climates> {
             .map(|(sum, land)| if *land > 0.0 { sum / land } else { 0.0 })
             .collect()
     };
+    let land: Grid = land
+        .iter()
+        .map(|land| land / (side * side) as f64)
+        .collect();
+    let about = blurred(&land, ABOUT);
+    let enclosed = about.iter().map(|about| share(ENCLOSED, *about));
     Ok(Climates {
+        enclosed: enclosed.collect(),
         mean: per_land(&mean),
         swing: per_land(&swing),
         lying: per_land(&lying),
         frost: in_cell(&frost),
-        land: land
-            .iter()
-            .map(|land| land / (side * side) as f64)
-            .collect(),
+        land,
     })
 }
 
 impl Climates {
     /// Cover with snow in the middle of a month, 0…1. Off the coast it is that of the coast.
     pub fn snow(&self, month: usize) -> Grid {
-        let day = (month as f64 + 0.5) / MONTHS as f64 * YEAR_DAYS;
         let cells = 0..self.mean.len();
         let cover = cells.map(|cell| {
-            let north = latitude(cell / COLUMNS) > 0.0;
-            let warmest = WARMEST_DAY - if north { 0.0 } else { 0.5 * YEAR_DAYS };
-            let phase = std::f64::consts::TAU * (day - warmest) / YEAR_DAYS;
-            let temperature = self.mean[cell] + self.swing[cell] * phase.cos();
-            let cold = (FIRST_SNOW - temperature) / (FIRST_SNOW - ALL_WHITE);
-            (cold.clamp(0.0, 1.0) * self.lying[cell]).max(self.frost[cell])
+            let cold = share([FIRST_SNOW, ALL_WHITE], self.temperature(cell, month, 0.0));
+            (cold * self.lying[cell]).max(self.frost[cell])
         });
         cover.collect()
     }
+
+    /// Cover with ice of seas with land on all sides in the middle of a month, 0…1.
+    pub fn ice(&self, month: usize) -> Grid {
+        let cells = 0..self.mean.len();
+        let cover = cells.map(|cell| share(FREEZING, self.temperature(cell, month, ICE_LAG_DAYS)));
+        cover.collect()
+    }
+
+    /// In the middle of a month, °C, so many days late.
+    fn temperature(&self, cell: usize, month: usize, lag_days: f64) -> f64 {
+        let day = (month as f64 + 0.5) / MONTHS as f64 * YEAR_DAYS - lag_days;
+        let is_north = latitude(cell / COLUMNS) > 0.0;
+        let warmest = WARMEST_DAY - if is_north { 0.0 } else { 0.5 * YEAR_DAYS };
+        let phase = std::f64::consts::TAU * (day - warmest) / YEAR_DAYS;
+        self.mean[cell] + self.swing[cell] * phase.cos()
+    }
+}
+
+/// How far a value is from the first bound to the second, 0…1.
+fn share([first, second]: [f64; 2], value: f64) -> f64 {
+    ((value - first) / (second - first)).clamp(0.0, 1.0)
 }

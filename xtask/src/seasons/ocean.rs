@@ -1,6 +1,7 @@
 //! Ice on the sea, from monthly temperatures of its surface. Ice lies where the water is coldest, and in each month on as much of a hemisphere as
 //! the satellites' long-term mean.
 
+use super::climates::Climates;
 use super::{COLUMNS, Grid, MONTHS, ROWS, area, blurred, latitude};
 use anyhow::{Context, Result, bail, ensure};
 use std::path::Path;
@@ -204,28 +205,39 @@ fn resampled(map: &[f64]) -> Grid {
     values.collect()
 }
 
-/// Cover with ice in a month of these temperatures, 0…1; on land that of the nearest sea.
-pub fn ice(temperatures: &Grid, land: &Grid, month: usize) -> Grid {
-    let hemisphere = |cell: usize| usize::from(latitude(cell / COLUMNS) < 0.0);
-    let is_within =
-        |cell: &usize| latitude(cell / COLUMNS).abs() > LEAST_LATITUDE[hemisphere(*cell)];
-    let last = [0, 1].map(|side| {
-        let cells = (0..temperatures.len()).filter(|cell| hemisphere(*cell) == side);
-        let mut cells: Vec<_> = cells.filter(is_within).collect();
-        cells.sort_by(|a, b| temperatures[*a].total_cmp(&temperatures[*b]));
-        let mut covered = 0.0;
-        let last = cells.iter().find(|cell| {
-            covered += (1.0 - land[**cell]) * area(**cell);
-            covered >= EXTENT[side][month]
-        });
-        last.map_or(f64::NEG_INFINITY, |cell| temperatures[*cell])
-    });
-    let cover = (0..temperatures.len()).map(|cell| match is_within(&cell) {
-        true => {
-            let colder = last[hemisphere(cell)] - temperatures[cell];
-            (colder / EDGE + COVER_AT_EXTENT).clamp(0.0, 1.0)
+/// Cover with ice in a month of these temperatures, 0…1; on land that of the nearest sea. Seas with land on all sides are frozen by the land's
+/// climate, as few ships have measured there in winter; their ice is a part of the extent.
+pub fn ice(temperatures: &Grid, climates: &Climates, month: usize) -> Grid {
+    let enclosed = climates.ice(month);
+    let side = |cell: usize| usize::from(latitude(cell / COLUMNS) < 0.0);
+    let is_within = |cell: usize| latitude(cell / COLUMNS).abs() > LEAST_LATITUDE[side(cell)];
+    let sea = |cell: usize| (1.0 - climates.land[cell]) * area(cell);
+    let mut left = EXTENT.map(|extent| extent[month]);
+    let mut open = Vec::new();
+    for cell in (0..temperatures.len()).filter(|cell| is_within(*cell)) {
+        if climates.enclosed[cell] < 0.5 {
+            open.push(cell);
+        } else if enclosed[cell] > COVER_AT_EXTENT {
+            left[side(cell)] -= sea(cell);
         }
-        false => 0.0,
+    }
+    open.sort_by(|a, b| temperatures[*a].total_cmp(&temperatures[*b]));
+    // The warmest water with ice of each hemisphere.
+    let mut warmest = [f64::NEG_INFINITY; 2];
+    for cell in open {
+        let side = side(cell);
+        if left[side] > 0.0 {
+            left[side] -= sea(cell);
+            warmest[side] = temperatures[cell];
+        }
+    }
+    let cover = (0..temperatures.len()).map(|cell| {
+        if !is_within(cell) {
+            return 0.0;
+        }
+        let colder = warmest[side(cell)] - temperatures[cell];
+        let open = (colder / EDGE + COVER_AT_EXTENT).clamp(0.0, 1.0);
+        open + climates.enclosed[cell] * (enclosed[cell] - open)
     });
     cover.collect()
 }
