@@ -4,8 +4,7 @@ use super::error::ImageryError;
 use super::layer::LayerImage;
 use super::map_file::{MapFile, read_file};
 use super::map_folder::MapFolder;
-use super::map_rows::{Dropped, KeptInMemory, MapBuilder, MapSink};
-use super::season::Season;
+use super::map_rows::{KeptInMemory, MapBuilder, MapSink};
 use super::srgb::luminance;
 use super::texel::TexelFormat;
 use super::tile::MapLayer;
@@ -56,31 +55,6 @@ impl<'a> GreyFile<'a> {
         }
         rows(file, |row| map.push(row))?;
         Ok(map.finish())
-    }
-
-    /// As [`Self::map`] for open water: without the season's ice for the sink, and with it in the levels that are kept.
-    pub fn map_in(
-        &self,
-        season: &Season,
-        (layer, sink): (MapLayer, &dyn MapSink),
-        kept_width: usize,
-    ) -> Result<(LayerImage, LayerImage), ImageryError> {
-        let file = self.open()?;
-        let size = file.size();
-        let mut map = MapBuilder::new(sink, layer, size, TexelFormat::R8Unorm);
-        let mut below = MapBuilder::new(&Dropped, layer, size, TexelFormat::R8Unorm);
-        below.keep(kept_width);
-        let (mut number, mut open) = (0, Vec::new());
-        let size = (size.0 as usize, size.1 as usize);
-        rows(file, |row| {
-            below.push(row);
-            open.clear();
-            open.extend_from_slice(row);
-            season.freeze(number, size, &mut open);
-            map.push(&open);
-            number += 1;
-        })?;
-        Ok((map.finish().0, below.finish().1))
     }
 
     /// The map without smaller levels.

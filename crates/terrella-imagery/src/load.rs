@@ -519,11 +519,15 @@ fn load_water(
         }
         file => file?,
     };
-    let (map, shares) = match season {
-        Some(season) => file.map_in(season, (MapLayer::Water, sink), widest)?,
-        None => file.map((MapLayer::Water, sink), Some(widest))?,
+    let Some(season) = season else {
+        let (map, shares) = file.map((MapLayer::Water, sink), Some(widest))?;
+        return Ok(Some(Water { map, shares }));
     };
-    Ok(Some(Water { map, shares }))
+    let (map, shares) = file.map((MapLayer::Water, &season.open_water_of(sink)), Some(widest))?;
+    Ok(Some(Water {
+        map: season.open_water(map),
+        shares,
+    }))
 }
 
 /// Heights of the whole Earth, metres + [`ELEVATION_OFFSET_M`].

@@ -36,21 +36,6 @@ impl MapSink for KeptInMemory {
     }
 }
 
-/// Keeps no map.
-pub(super) struct Dropped;
-
-impl MapSink for Dropped {
-    fn begin(&self, _: MapLayer, _: (u32, u32), _: TexelFormat) -> Option<Box<dyn MapRows + '_>> {
-        Some(Box::new(Self))
-    }
-}
-
-impl MapRows for Dropped {
-    fn rows(&mut self, _: usize, _: u32, _: &[u8]) {}
-
-    fn finish(self: Box<Self>) {}
-}
-
 impl LayerImage {
     /// Passes all rows of all levels, level 0 first.
     pub fn rows_to(&self, to: &mut dyn MapRows) {

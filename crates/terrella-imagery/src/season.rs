@@ -4,6 +4,10 @@ use super::error::ImageryError;
 use super::grey::GreyFile;
 use super::layer::LayerImage;
 use super::map_folder::MapFolder;
+use super::map_rows::{MapRows, MapSink};
+use super::texel::TexelFormat;
+use super::tile::MapLayer;
+use std::ops::Range;
 
 /// The file of a folder with the snow and ice of each month.
 pub const SEASONS_FILE: &str = "seasons.png";
@@ -56,37 +60,134 @@ impl Season {
         }))
     }
 
-    /// Takes the frozen part from a row of a map of open water of this size.
-    pub(super) fn freeze(&self, row: usize, size: (usize, usize), water: &mut [u8]) {
-        let mut cover = Vec::new();
-        if self.ice.along_row(row, size, &mut cover) {
-            for (water, cover) in water.iter_mut().zip(&cover) {
-                *water = (f32::from(*water) * (1.0 - cover)).round() as u8;
+    /// A sink that gives this one maps of open water without ice. Maps that are kept in memory still have it.
+    pub(super) fn open_water_of<'a>(&'a self, sink: &'a dyn MapSink) -> OpenWater<'a> {
+        OpenWater { season: self, sink }
+    }
+
+    /// A map of open water without ice, where it is in memory.
+    pub(super) fn open_water(&self, map: LayerImage) -> LayerImage {
+        let mut levels = map.levels.to_vec();
+        for (level, texels) in levels.iter_mut().enumerate() {
+            self.thaw_rows(map.level_size(level), 0, texels);
+        }
+        LayerImage {
+            levels: levels.into(),
+            ..map
+        }
+    }
+
+    /// Takes the ice from rows of a map of water of this size. Ice varies over many texels, so smaller levels are right too.
+    fn thaw_rows(&self, (width, height): (u32, u32), first: u32, water: &mut [u8]) {
+        let size = (width as usize, height as usize);
+        for (row, water) in water.chunks_exact_mut(size.0).enumerate() {
+            let row = first as usize + row;
+            if self.ice.is_bare(row, size) {
+                continue;
+            }
+            for run in self.ice.runs(row, size) {
+                let water = &mut water[run.columns.clone()];
+                match (run.first, run.last) {
+                    (0.0, 0.0) => {}
+                    (1.0, 1.0) => water.fill(0),
+                    _ => {
+                        for (water, ice) in water.iter_mut().zip(run.values()) {
+                            *water = (f32::from(*water) * (1.0 - ice) + 0.5) as u8;
+                        }
+                    }
+                }
             }
         }
     }
 
     /// Paints snow and ice into the colours of a map, RGBA texels `width` to a row. `water` has its size, and says how much of each is water.
     pub(super) fn paint(&self, rgba: &mut [u8], width: usize, water: &[u8]) {
-        let height = water.len() / width.max(1);
-        let (mut snow, mut ice) = (Vec::new(), Vec::new());
+        let size = (width, water.len() / width.max(1));
         let rows = rgba
             .chunks_exact_mut(4 * width)
             .zip(water.chunks_exact(width));
         for (row, (texels, water)) in rows.enumerate() {
-            let has_snow = self.snow.along_row(row, (width, height), &mut snow);
-            let has_ice = self.ice.along_row(row, (width, height), &mut ice);
-            if !has_snow && !has_ice {
+            if self.snow.is_bare(row, size) && self.ice.is_bare(row, size) {
                 continue;
             }
             let (texels, _) = texels.as_chunks_mut::<4>();
-            for (column, texel) in texels.iter_mut().enumerate() {
-                let (snow, ice) = (snow[column], ice[column]);
-                if snow > 0.0 || ice > 0.0 {
-                    paint_texel(texel, f32::from(water[column]) / 255.0, snow, ice);
+            for (snow, ice) in self.snow.runs(row, size).zip(self.ice.runs(row, size)) {
+                if [&snow, &ice].map(|run| run.first + run.last) == [0.0; 2] {
+                    continue;
+                }
+                let texels = texels[snow.columns.clone()].iter_mut();
+                let texels = texels.zip(&water[snow.columns.clone()]);
+                let covers = snow.values().zip(ice.values());
+                for ((texel, water), (snow, ice)) in texels.zip(covers) {
+                    match *water {
+                        // Most of the sea.
+                        u8::MAX if ice == 0.0 => {}
+                        u8::MAX => texel[..3].copy_from_slice(&ICE.map(|code| code as u8)),
+                        water => paint_texel(texel, f32::from(water) / 255.0, snow, ice),
+                    }
                 }
             }
         }
+    }
+}
+
+/// Gives a sink maps of water without the season's ice.
+pub(super) struct OpenWater<'a> {
+    season: &'a Season,
+    sink: &'a dyn MapSink,
+}
+
+impl MapSink for OpenWater<'_> {
+    fn begin(
+        &self,
+        layer: MapLayer,
+        size: (u32, u32),
+        format: TexelFormat,
+    ) -> Option<Box<dyn MapRows + '_>> {
+        let rows = self.sink.begin(layer, size, format)?;
+        Some(Box::new(OpenRows {
+            season: self.season,
+            size,
+            rows,
+        }))
+    }
+}
+
+struct OpenRows<'a> {
+    season: &'a Season,
+    size: (u32, u32),
+    rows: Box<dyn MapRows + 'a>,
+}
+
+impl MapRows for OpenRows<'_> {
+    fn rows(&mut self, level: usize, first: u32, texels: &[u8]) {
+        let (width, height) = self.size;
+        let size = [width, height].map(|side| (side >> level).max(1));
+        let mut open = texels.to_vec();
+        self.season.thaw_rows(size.into(), first, &mut open);
+        self.rows.rows(level, first, &open);
+    }
+
+    fn finish(self: Box<Self>) {
+        self.rows.finish();
+    }
+}
+
+/// Columns between the middles of two neighbouring texels of a cover, and the values there.
+struct Run {
+    columns: Range<usize>,
+    first: f32,
+    last: f32,
+    /// Position of the first column between the middles, 0…1, and the distance of columns.
+    at: f32,
+    step: f32,
+}
+
+impl Run {
+    fn values(&self) -> impl Iterator<Item = f32> {
+        let (first, rise) = (self.first, self.last - self.first);
+        let (at, step) = (self.at, self.step);
+        (0..self.columns.len()).map(move |column| first + rise * (at + column as f32 * step))
     }
 }
 
@@ -113,32 +214,46 @@ impl Cover {
         }
     }
 
-    /// Values along a row of a map of this size; false if all are 0.
-    fn along_row(&self, row: usize, (width, height): (usize, usize), to: &mut Vec<f32>) -> bool {
-        to.clear();
+    /// The two rows that a row of a map of this height lies between, and its place between them, 0…1.
+    fn rows_about(&self, row: usize, height: usize) -> ([&[f32]; 2], f32) {
         let rows = self.values.len() / self.width;
         let at = (row as f32 + 0.5) * rows as f32 / height as f32 - 0.5;
-        let part = at - at.floor();
-        let [upper, lower] = [0.0, 1.0].map(|more| {
+        let about = [0.0, 1.0].map(|more| {
             let row = (at.floor() + more).clamp(0.0, rows as f32 - 1.0) as usize;
             &self.values[row * self.width..][..self.width]
         });
-        let both = upper.iter().zip(lower);
-        let values: Vec<_> = both
-            .map(|(upper, lower)| upper + part * (lower - upper))
-            .collect();
-        if values.iter().all(|value| *value == 0.0) {
-            to.resize(width, 0.0);
-            return false;
-        }
+        (about, at - at.floor())
+    }
+
+    /// Whether nothing is covered along a row of a map of this size.
+    fn is_bare(&self, row: usize, (_, height): (usize, usize)) -> bool {
+        let (about, _) = self.rows_about(row, height);
+        about
+            .iter()
+            .all(|row| row.iter().all(|value| *value == 0.0))
+    }
+
+    /// Values along a row of a map of this size.
+    fn runs(&self, row: usize, (width, height): (usize, usize)) -> impl Iterator<Item = Run> {
+        let ([upper, lower], part) = self.rows_about(row, height);
+        let value = move |texel: usize| {
+            let [upper, lower] = [upper, lower].map(|row| row[texel % self.width]);
+            upper + part * (lower - upper)
+        };
         let step = self.width as f32 / width as f32;
-        to.extend((0..width).map(|column| {
-            let at = (column as f32 + 0.5) * step - 0.5 + self.width as f32;
-            let (west, part) = (at as usize, at.fract());
-            let [west, east] = [west, west + 1].map(|column| values[column % self.width]);
-            west + part * (east - west)
-        }));
-        true
+        // The first column whose middle is at least so many texels from the western edge.
+        let column = move |texels: f32| ((texels / step - 0.5).ceil().max(0.0) as usize).min(width);
+        (0..=self.width).map(move |texel| {
+            let middle = texel as f32 - 0.5;
+            let columns = column(middle)..column(middle + 1.0);
+            Run {
+                at: (columns.start as f32 + 0.5) * step - middle,
+                step,
+                columns,
+                first: value(texel + self.width - 1),
+                last: value(texel),
+            }
+        })
     }
 }
 
@@ -153,7 +268,7 @@ fn paint_texel(texel: &mut [u8; 4], water: f32, snow: f32, ice: f32) {
     let shown = (land + ice).max(1e-3);
     for (channel, code) in texel.iter_mut().take(3).enumerate() {
         let of_land = color[channel] + white * (SNOW[channel].max(color[channel]) - color[channel]);
-        *code = ((land * of_land + ice * ICE[channel]) / shown).round() as u8;
+        *code = ((land * of_land + ice * ICE[channel]) / shown + 0.5) as u8;
     }
 }
 
@@ -270,27 +385,45 @@ mod tests {
     #[test]
     fn a_map_in_a_sink_is_the_same() {
         let folder = folder();
-        let season = Season::load(folder.path(), JANUARY).expect("valid");
-        let kept = |sink: &dyn crate::MapSink| {
+        let season = Season::load(folder.path(), 0.0).expect("valid");
+        let loaded = |sink: &dyn MapSink| {
             let loaded = load_layers_in(folder.path(), SELECTED, season.as_ref(), sink);
-            loaded.expect("valid maps").0.day
+            loaded.expect("valid maps").0
         };
-        assert!(kept(&KeptInMemory).levels == kept(&WaterElsewhere).levels);
+        let kept = loaded(&KeptInMemory);
+        let elsewhere = WaterElsewhere::default();
+        assert!(kept.day == loaded(&elsewhere).day);
+        let water = kept.water.expect("selected");
+        let levels = elsewhere.0.into_inner().expect("no panic");
+        assert_eq!(water.levels.to_vec(), levels);
     }
 
-    /// Takes the water map alone.
-    struct WaterElsewhere;
+    /// Takes the levels of the water map alone.
+    #[derive(Default)]
+    struct WaterElsewhere(std::sync::Mutex<Vec<Vec<u8>>>);
 
-    impl crate::MapSink for WaterElsewhere {
+    impl MapSink for WaterElsewhere {
         fn begin(
             &self,
-            layer: crate::tile::MapLayer,
-            size: (u32, u32),
-            format: crate::TexelFormat,
-        ) -> Option<Box<dyn crate::MapRows + '_>> {
-            let is_water = layer == crate::tile::MapLayer::Water;
-            is_water.then(|| crate::map_rows::Dropped.begin(layer, size, format))?
+            layer: MapLayer,
+            _: (u32, u32),
+            _: TexelFormat,
+        ) -> Option<Box<dyn MapRows + '_>> {
+            (layer == MapLayer::Water).then(|| Box::new(Levels(self)) as Box<dyn MapRows>)
         }
+    }
+
+    struct Levels<'a>(&'a WaterElsewhere);
+
+    impl MapRows for Levels<'_> {
+        fn rows(&mut self, level: usize, _: u32, texels: &[u8]) {
+            let mut levels = self.0.0.lock().expect("no panic");
+            let count = levels.len().max(level + 1);
+            levels.resize(count, Vec::new());
+            levels[level].extend_from_slice(texels);
+        }
+
+        fn finish(self: Box<Self>) {}
     }
 
     #[test]
