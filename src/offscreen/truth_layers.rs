@@ -120,7 +120,7 @@ pub const TRUTH_LAYERS: &[TruthLayer] = &[
     layer(
         "land",
         "1",
-        "fraction of the pixel that is land; NaN everywhere without a map of open water",
+        "fraction of the pixel that is no open water: land, and the ice of a season; NaN everywhere without a map of open water",
         Value::Pixel(|pixel| match (&pixel.point, pixel.has_water) {
             (Some(point), true) => point.land,
             _ => f64::NAN,

@@ -36,6 +36,7 @@ mod pictures;
 mod quality;
 mod reference;
 mod report;
+mod seasons;
 mod sensor;
 mod several;
 mod shaders;

@@ -291,13 +291,13 @@ fn every_key_is_read() {
     assert_eq!(scene.earth.textures, Some(folder.path("maps")));
     assert_eq!(scene.output.size, [16384, 1]);
     assert_eq!(scene.output.samples, 1);
-    assert_eq!(scene.line("output", "samples"), Some(56));
+    assert_eq!(scene.line("output", "samples"), Some(57));
     let quality = &scene.quality;
     assert_eq!((quality.target_ms, quality.scale), (Some(20.0), 0.5));
     assert_eq!(quality.ladder, Some(folder.path("sat.tle")));
     assert_eq!(scene.layers.vector_map, Some(folder.path("sat.tle")));
     assert_eq!((scene.layers.width_px, scene.stations.len()), (2.0, 1));
-    assert_eq!(scene.line("station", "lat_deg"), Some(74));
+    assert_eq!(scene.line("station", "lat_deg"), Some(75));
     let summary = scene.summary();
     assert!(!summary.contains("default"), "{summary}");
 }
