@@ -261,7 +261,13 @@ impl Cover {
 fn paint_texel(texel: &mut [u8; 4], water: f32, snow: f32, ice: f32) {
     let color = [texel[0], texel[1], texel[2]].map(f32::from);
     let brightness = color.iter().sum::<f32>() / 3.0;
-    let forest = 1.0 - smooth(FORESTS, brightness);
+    // The day map has the sea's blue on small islands.
+    let is_blue = color[2] > color[1];
+    let forest = if is_blue {
+        0.0
+    } else {
+        1.0 - smooth(FORESTS, brightness)
+    };
     let white = smooth([0.1, 0.9], snow) * (1.0 - forest * (1.0 - SEEN_IN_FORESTS));
     // The texel's colour is that of its land and its ice.
     let (land, ice) = (1.0 - water, water * ice);
@@ -436,6 +442,7 @@ mod tests {
         };
         assert_eq!(painted([140, 140, 110]), SNOW[0] as u8);
         assert!((90..130).contains(&painted([25, 40, 15])));
+        assert_eq!(painted([15, 25, 50]), SNOW[0] as u8);
         assert_eq!(painted([255, 255, 255]), 255);
     }
 
