@@ -47,6 +47,10 @@ const SHEETS: &[Sheet] = &[
         ],
     },
     Sheet {
+        name: "seasons.jpg",
+        scenes: &[("arctic", None), ("arctic", Some("2018-09-08T16:00:00Z"))],
+    },
+    Sheet {
         name: "sky.jpg",
         scenes: &[
             ("night", None),
