@@ -261,14 +261,13 @@ impl Cover {
 fn paint_texel(texel: &mut [u8; 4], water: f32, snow: f32, ice: f32) {
     let color = [texel[0], texel[1], texel[2]].map(f32::from);
     let brightness = color.iter().sum::<f32>() / 3.0;
-    // The day map has the sea's blue on small islands.
-    let is_blue = color[2] > color[1];
-    let forest = if is_blue {
-        0.0
-    } else {
-        1.0 - smooth(FORESTS, brightness)
+    // Lakes are land in the water map, with the day map's blue; so are islands that are smaller than its texels.
+    let is_lake = color[2] > color[1] && brightness < FORESTS[1];
+    let forest = 1.0 - smooth(FORESTS, brightness);
+    let white = match is_lake {
+        true => ice,
+        false => smooth([0.1, 0.9], snow) * (1.0 - forest * (1.0 - SEEN_IN_FORESTS)),
     };
-    let white = smooth([0.1, 0.9], snow) * (1.0 - forest * (1.0 - SEEN_IN_FORESTS));
     // The texel's colour is that of its land and its ice.
     let (land, ice) = (1.0 - water, water * ice);
     let shown = (land + ice).max(1e-3);
@@ -433,16 +432,18 @@ mod tests {
     }
 
     #[test]
-    fn forests_hide_snow() {
-        let painted = |color: [u8; 3]| {
+    fn forests_hide_snow_and_lakes_freeze_as_the_sea() {
+        let painted_with = |color: [u8; 3], ice: f32| {
             let mut texel = [color[0], color[1], color[2], 7];
-            paint_texel(&mut texel, 0.0, 1.0, 0.0);
+            paint_texel(&mut texel, 0.0, 1.0, ice);
             assert_eq!(texel[3], 7);
             texel[0]
         };
+        let painted = |color| painted_with(color, 0.0);
         assert_eq!(painted([140, 140, 110]), SNOW[0] as u8);
         assert!((90..130).contains(&painted([25, 40, 15])));
-        assert_eq!(painted([15, 25, 50]), SNOW[0] as u8);
+        assert_eq!(painted([15, 25, 50]), 15);
+        assert_eq!(painted_with([15, 25, 50], 1.0), SNOW[0] as u8);
         assert_eq!(painted([255, 255, 255]), 255);
     }
 
