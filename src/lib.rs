@@ -180,7 +180,7 @@ pub use terrella_imagery::pack::PackHeights;
 pub use terrella_imagery::{
     CityLights, DetailTileError, EarthLayers, ImageryError, LayerImage, LayerSelection, MapBands,
     MapFolder, MapRows, MapSink, PLACES_FILE, Season, TexelFormat, find_textures, load_layers,
-    load_layers_in, load_layers_to, supply_detail_tile,
+    load_layers_to, load_seasonal_layers, supply_detail_tile,
     tile::{LayerLayout, MapLayer, Tile, TileError, TileFormat, TileKey, TileShape, TileSource},
 };
 #[cfg(feature = "packs")]

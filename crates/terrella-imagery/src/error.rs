@@ -86,6 +86,18 @@ pub enum ImageryError {
         /// Height in its header.
         height: u32,
     },
+    /// A file of seasons that cannot hold its maps.
+    #[error(
+        "{} is {width} x {height} texels; it holds 5 x 5 maps, so both numbers are multiples of 5: make it again",
+        path.display()
+    )]
+    Seasons {
+        path: PathBuf,
+        /// Width in its header.
+        width: u32,
+        /// Height in its header.
+        height: u32,
+    },
     /// The texels are not of the kind that this map needs.
     #[error("{} holds {found} texels; the {layer} map needs {needed}: convert it", path.display())]
     TexelKind {

@@ -81,7 +81,7 @@ pub use ground_kinds::{CELLS_AROUND, GroundKind, GroundKinds, MOST_PIXEL_M, MapG
 pub use layer::{EarthLayers, LayerImage};
 pub use load::{
     DamagedLayer, LayerSelection, load_color_map, load_color_map_in, load_day_map, load_layers,
-    load_layers_in, load_layers_to, load_whole_layers,
+    load_layers_to, load_seasonal_layers, load_whole_layers,
 };
 pub use load::{colour_note, day_file};
 pub use map_bands::MapBands;

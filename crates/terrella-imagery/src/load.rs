@@ -190,14 +190,14 @@ pub fn load_layers_to<'f>(
     selection: LayerSelection,
     sink: &dyn MapSink,
 ) -> Result<(EarthLayers, Vec<DamagedLayer>), ImageryError> {
-    load_layers_in(folder, selection, None, sink)
+    load_seasonal_layers(folder, selection, None, sink)
 }
 
 /// As [`load_layers_to`], with the snow and the sea's ice of a season; the latter only with the water map, which is then of open water.
 ///
 /// # Errors
 /// As [`load_layers_to`].
-pub fn load_layers_in<'f>(
+pub fn load_seasonal_layers<'f>(
     folder: impl Into<MapFolder<'f>>,
     selection: LayerSelection,
     season: Option<&Season>,

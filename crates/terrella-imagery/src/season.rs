@@ -40,23 +40,34 @@ struct Cover {
 
 impl Season {
     /// Reads `seasons.png` of a folder, 8-bit grey: five by five maps of the whole Earth, row by row. The first twelve are the cover of land with
-    /// snow, 0…1, in the middles of the months from January on, the next twelve that of the sea with ice. Months pass into each other. `years` is the
-    /// time since the start of a year, as a fraction of it.
+    /// snow, 0…1, in the middles of the months from January on, the next twelve that of the sea with ice. Months pass into each other.
+    /// `year_fraction` is the time since the start of the year, as a fraction of it.
     ///
     /// # Errors
     /// An invalid map, with its path, the cause and the remedy. `None` if there is no file.
     pub fn load<'f>(
         folder: impl Into<MapFolder<'f>>,
-        years: f64,
+        year_fraction: f64,
     ) -> Result<Option<Self>, ImageryError> {
         let folder = folder.into();
         if !folder.has(SEASONS_FILE) {
             return Ok(None);
         }
         let maps = GreyFile::read(folder, SEASONS_FILE, "seasons")?.level_0()?;
+        let (width, height) = (maps.width, maps.height);
+        if [width, height]
+            .iter()
+            .any(|side| !side.is_multiple_of(ACROSS as u32))
+        {
+            return Err(ImageryError::Seasons {
+                path: folder.path(SEASONS_FILE),
+                width,
+                height,
+            });
+        }
         Ok(Some(Self {
-            snow: Cover::between(&maps, 0, years),
-            ice: Cover::between(&maps, MONTHS, years),
+            snow: Cover::between(&maps, 0, year_fraction),
+            ice: Cover::between(&maps, MONTHS, year_fraction),
         }))
     }
 
@@ -193,10 +204,10 @@ impl Run {
 
 impl Cover {
     /// At a fraction of a year, between maps of the middles of months, the first of which has this number.
-    fn between(maps: &LayerImage, first: usize, years: f64) -> Self {
+    fn between(maps: &LayerImage, first: usize, year_fraction: f64) -> Self {
         let all = maps.width as usize;
         let (width, rows) = (all / ACROSS, maps.height as usize / ACROSS);
-        let at = years.rem_euclid(1.0) * MONTHS as f64 - 0.5;
+        let at = year_fraction.rem_euclid(1.0) * MONTHS as f64 - 0.5;
         let part = (at - at.floor()) as f32;
         let [before, after] = [0, 1].map(|more| {
             let map = first + (at.floor() as i64 + more).rem_euclid(MONTHS as i64) as usize;
@@ -285,7 +296,7 @@ fn smooth([first, last]: [f32; 2], value: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{ImageryError, KeptInMemory, LayerSelection, load_layers, load_layers_in};
+    use crate::{ImageryError, KeptInMemory, LayerSelection, load_layers, load_seasonal_layers};
     use std::path::Path;
     use tempfile::TempDir;
 
@@ -337,7 +348,7 @@ mod tests {
     /// The colour and the water of the maps at a time of year, at a texel.
     fn at(folder: &Path, years: f64) -> impl Fn(usize, usize) -> ([u8; 3], u8) {
         let season = Season::load(folder, years).expect("valid").expect("there");
-        let loaded = load_layers_in(folder, SELECTED, Some(&season), &KeptInMemory);
+        let loaded = load_seasonal_layers(folder, SELECTED, Some(&season), &KeptInMemory);
         let (layers, damaged) = loaded.expect("valid maps");
         assert!(damaged.is_empty());
         let (day, water) = (layers.day, layers.water.expect("selected"));
@@ -392,7 +403,7 @@ mod tests {
         let folder = folder();
         let season = Season::load(folder.path(), 0.0).expect("valid");
         let loaded = |sink: &dyn MapSink| {
-            let loaded = load_layers_in(folder.path(), SELECTED, season.as_ref(), sink);
+            let loaded = load_seasonal_layers(folder.path(), SELECTED, season.as_ref(), sink);
             loaded.expect("valid maps").0
         };
         let kept = loaded(&KeptInMemory);
@@ -461,6 +472,13 @@ mod tests {
             Season::load(folder.path(), 0.0),
             Err(ImageryError::Size { .. })
         ));
+        for size in [(4, 2), (64, 32)] {
+            write(&path, size, |_, _| vec![0]);
+            let error = Season::load(folder.path(), 0.0).expect_err("no 5 x 5 maps");
+            assert!(matches!(error, ImageryError::Seasons { .. }), "{error}");
+        }
+        write(&path, (10, 5), |_, _| vec![255]);
+        assert_eq!(at(folder.path(), 0.0)(50, 100).1, 0);
         std::fs::remove_file(&path).expect("there");
         assert_eq!(Season::load(folder.path(), 0.0).expect("valid"), None);
     }

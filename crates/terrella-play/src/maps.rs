@@ -14,7 +14,7 @@ use terrella_imagery::pack::{MANIFEST_FILE, Pack, PackTiles};
 use terrella_imagery::tile::{MapLayer, Storage};
 use terrella_imagery::{
     CityLights, DamagedLayer, EarthLayers, ImageryError, KeptInMemory, LayerSelection, MapSink,
-    PLACES_FILE, SEASONS_FILE, SLOPE_EXAGGERATION, Season, find_textures, load_layers_in,
+    PLACES_FILE, SEASONS_FILE, SLOPE_EXAGGERATION, Season, find_textures, load_seasonal_layers,
     slopes_from_clouds,
 };
 
@@ -313,7 +313,7 @@ impl SeasonalMaps<'_> {
     /// Reads them. One that is damaged is an error in a strict scene, else it is left out with a warning; the day map is needed.
     fn load(&self, scene: &Scene, sink: &dyn MapSink) -> Result<EarthLayers, PlayError> {
         let season = self.season.as_ref();
-        let (layers, damaged) = load_layers_in(self.folder, self.selection, season, sink)?;
+        let (layers, damaged) = load_seasonal_layers(self.folder, self.selection, season, sink)?;
         for DamagedLayer { layer, error } in damaged {
             if scene.earth.strict {
                 return Err(error.into());
