@@ -63,4 +63,7 @@ fn a_scene_without_a_date_has_no_season() {
     let south = scene("", -65.0, 0.0);
     let south = format!("{south}[orbit]\nsource = \"kepler\"\nsemi_major_axis_km = 7000\n");
     assert!(picture(&place, &south, &[]) == picture(&place, &south, &WITHOUT));
+    let at = ["--at", "2018-09-15T12:00:00Z"];
+    let without = picture(&place, &south, &[&at[..], &WITHOUT].concat());
+    assert!(mean(&picture(&place, &south, &at)) > 1.5 * mean(&without));
 }

@@ -288,7 +288,8 @@ fn has_city_lights(scene: &Scene, selection: LayerSelection) -> bool {
 /// Snow and sea ice at an epoch, where the scene draws them and its date is known. A damaged file is an error in a strict scene, else there are
 /// none, with a warning.
 fn season(scene: &Scene, epoch: Epoch, folder: &Path) -> Result<Option<Season>, PlayError> {
-    if !scene.earth.seasons || scene.time.start_from == StartSource::Default {
+    let has_no_date = scene.time.start_from == StartSource::Default && epoch == scene.time.start;
+    if !scene.earth.seasons || has_no_date {
         return Ok(None);
     }
     let (year, ..) = epoch.to_gregorian_utc();
