@@ -156,9 +156,15 @@ impl MapSink for OpenWater<'_> {
         format: TexelFormat,
     ) -> Option<Box<dyn MapRows + '_>> {
         let rows = self.sink.begin(layer, size, format)?;
+        let (width, height) = size;
         Some(Box::new(OpenRows {
             season: self.season,
-            size,
+            map: LayerImage {
+                width,
+                height,
+                format,
+                levels: [].into(),
+            },
             rows,
         }))
     }
@@ -166,16 +172,16 @@ impl MapSink for OpenWater<'_> {
 
 struct OpenRows<'a> {
     season: &'a Season,
-    size: (u32, u32),
+    /// Size and format.
+    map: LayerImage,
     rows: Box<dyn MapRows + 'a>,
 }
 
 impl MapRows for OpenRows<'_> {
     fn rows(&mut self, level: usize, first: u32, texels: &[u8]) {
-        let (width, height) = self.size;
-        let size = [width, height].map(|side| (side >> level).max(1));
         let mut open = texels.to_vec();
-        self.season.thaw_rows(size.into(), first, &mut open);
+        self.season
+            .thaw_rows(self.map.level_size(level), first, &mut open);
         self.rows.rows(level, first, &open);
     }
 
