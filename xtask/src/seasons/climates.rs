@@ -100,19 +100,8 @@ pub fn read(path: &Path) -> Result<Climates> {
         }
     }
     let weight = blurred(&land, TRANSITION);
-    let per_land = |sum: &Grid| -> Grid {
-        let sums = blurred(sum, TRANSITION);
-        let pairs = sums.iter().zip(&weight);
-        pairs
-            .map(|(sum, weight)| if *weight > 1e-6 { sum / weight } else { 0.0 })
-            .collect()
-    };
-    let in_cell = |sum: &Grid| -> Grid {
-        let pairs = sum.iter().zip(&land);
-        pairs
-            .map(|(sum, land)| if *land > 0.0 { sum / land } else { 0.0 })
-            .collect()
-    };
+    let per_land = |sum: &Grid| means(&blurred(sum, TRANSITION), &weight, 1e-6);
+    let frost = means(&frost, &land, 0.0);
     let land: Grid = land
         .iter()
         .map(|land| land / (side * side) as f64)
@@ -124,7 +113,7 @@ pub fn read(path: &Path) -> Result<Climates> {
         mean: per_land(&mean),
         swing: per_land(&swing),
         lying: per_land(&lying),
-        frost: in_cell(&frost),
+        frost,
         land,
     })
 }
@@ -155,6 +144,14 @@ impl Climates {
         let phase = std::f64::consts::TAU * (day - warmest) / YEAR_DAYS;
         self.mean[cell] + self.swing[cell] * phase.cos()
     }
+}
+
+/// Means from sums and their weights; 0 where the weight is no more than this.
+fn means(sums: &Grid, weights: &Grid, least: f64) -> Grid {
+    let pairs = sums.iter().zip(weights);
+    pairs
+        .map(|(sum, weight)| if *weight > least { sum / weight } else { 0.0 })
+        .collect()
 }
 
 /// How far a value is from the first bound to the second, 0…1.
