@@ -6,7 +6,8 @@ use super::{COLUMNS, Grid, MONTHS, ROWS, area, blurred, latitude};
 use anyhow::{Context, Result, bail, ensure};
 use std::path::Path;
 
-/// Mean extent of the ice of each month north and south of the equator, 1981 to 2010, million km²: NSIDC Sea Ice Index (Fetterer and others).
+/// Mean extent of the ice of each month north and south of the equator, 1981 to 2010, million km²: NSIDC Sea Ice Index (Fetterer and others). Approximate:
+/// not checked against the published table.
 const EXTENT: [[f64; MONTHS]; 2] = [
     [
         14.4, 15.3, 15.4, 14.7, 13.3, 11.8, 9.5, 7.2, 6.4, 8.4, 10.7, 12.8,
