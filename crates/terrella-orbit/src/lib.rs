@@ -12,7 +12,7 @@
 //! | read many satellites from a file | [`OrbitFiles`], `orbit_files.rs` |
 //! | detect a truncated file | `cut.rs` |
 //! | parse dates in any form of ISO 8601 | `iso8601.rs` |
-//! | receive states from a simulator | [`live`] |
+//! | receive states from a simulator | [`live`]; without a transport, [`pushed`] |
 //! | find passes over a place | `passes.rs` |
 //! | find eclipses, nodes and apsides of any motion | `event_search.rs` |
 //! | transform a state vector between frames | `state.rs` |
@@ -61,6 +61,7 @@ mod one_dimension;
 mod opm;
 mod orbit_files;
 mod passes;
+pub mod pushed;
 mod recognise;
 mod rejected;
 mod runs;

@@ -63,33 +63,32 @@
 //! A connection counts as a simulator from its first valid packet on. With more than four, the one that has been silent longest is dismissed, but
 //! never one that waits for a frame. Eight more connections without a valid packet are allowed; each has 300 s for its first packet.
 
-mod buffer;
-mod clock;
 mod lockstep;
 mod options;
-mod packet;
 mod reply;
 mod serve;
 mod shared;
 mod split;
 mod websocket;
 
+pub use super::pushed::{
+    Extrapolation, MAX_PACKET_BYTES, Packet, PacketFault, PacketFormat, PacketKind,
+};
 pub use lockstep::FrameRequest;
-pub use options::{Extrapolation, LiveError, LiveOptions, Pacing, Transport};
-pub use packet::{MAX_PACKET_BYTES, Packet, PacketFault, PacketFormat, PacketKind};
+pub use options::{LiveError, LiveOptions, Pacing, Transport};
 pub use shared::PacketCounters;
 pub use split::{Received, Splitter};
 
 use super::connections::Standing;
+use super::pushed::later;
 use super::{Feed, Freshness, OrbitError, OrbitState};
-use buffer::later;
 use lockstep::Outcome;
 use shared::SharedFeed;
 use std::io::{Read, Write};
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use terrella_files::printable;
 use terrella_frames::{Epoch, rfc3339, utc_from_rfc3339};
 
@@ -217,7 +216,7 @@ impl LiveFeed {
         let newest = inner.buffer.newest()?.epoch;
         let oldest = inner.buffer.oldest()?.epoch;
         // There is no playback in lockstep: the frame that was last requested.
-        let Some(now) = inner.clock.at(Instant::now()) else {
+        let Some(now) = inner.clock.at(self.shared.opened.elapsed()) else {
             return Some(newest);
         };
         let shown = later(now, -options.playback_delay_s * options.rate);

@@ -1,5 +1,6 @@
 //! Settings of a live feed, their ranges, and its errors.
 
+use super::super::pushed::{Extrapolation, REACH_S};
 use std::fmt;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::ops::RangeInclusive;
@@ -104,17 +105,6 @@ pub enum Pacing {
     Lockstep,
 }
 
-/// How the satellite goes on where states are missing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Extrapolation {
-    /// On the conic of the last state: free fall.
-    #[default]
-    TwoBody,
-    /// Linear, for objects that do not fall.
-    Linear,
-}
-
 /// Settings of a live feed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LiveOptions {
@@ -174,9 +164,9 @@ impl LiveOptions {
             rate: 1.0,
             playback_delay_s: 0.1,
             stale_after_s: 1.0,
-            extrapolation_limit_s: 60.0,
+            extrapolation_limit_s: REACH_S,
             extrapolation: Extrapolation::default(),
-            gap_s: 60.0,
+            gap_s: REACH_S,
             frame_timeout: Duration::from_secs(10),
             max_packets_per_s: 10_000,
         }

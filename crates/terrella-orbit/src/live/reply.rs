@@ -1,6 +1,6 @@
 //! Replies to a simulator.
 
-use super::packet::{CRC_BYTES, MAGIC, PacketFormat, VERSION};
+use super::super::pushed::{CRC_BYTES, MAGIC, PacketFormat, VERSION};
 
 /// Magic, version, kind, length, sequence number.
 const HEAD_BYTES: usize = 16;

@@ -2,8 +2,8 @@
 //! nothing comes, which a pool of workers is not for.
 
 use super::super::connections::{Connections, GRACE, Standing};
+use super::super::pushed::MAX_PACKET_BYTES;
 use super::options::{LiveError, Pacing};
-use super::packet::MAX_PACKET_BYTES;
 use super::shared::{RateLimiter, SharedFeed};
 use super::split::{Received, Splitter};
 use std::io::{ErrorKind, Read, Write};

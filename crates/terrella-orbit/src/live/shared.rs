@@ -1,10 +1,9 @@
 //! State shared by the reading threads and the player that draws.
 
-use super::buffer::{Insertion, StateBuffer};
-use super::clock::PlaybackClock;
+use super::super::pushed::{Insertion, PlaybackClock, StateBuffer};
+use super::super::pushed::{Packet, PacketFault, PacketKind};
 use super::lockstep::{Lockstep, Outcome};
 use super::options::{LiveOptions, Pacing};
-use super::packet::{Packet, PacketFault, PacketKind};
 use super::reply::Reply;
 use super::split::Received;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -60,6 +59,8 @@ pub struct FeedState {
 #[derive(Debug)]
 pub struct SharedFeed {
     pub options: LiveOptions,
+    /// Arrivals are counted from here.
+    pub opened: Instant,
     inner: Mutex<FeedState>,
     pub lockstep: Lockstep,
     pub name: OnceLock<String>,
@@ -84,6 +85,7 @@ impl SharedFeed {
         };
         Self {
             options,
+            opened: Instant::now(),
             inner: Mutex::new(inner),
             lockstep: Lockstep::default(),
             name: OnceLock::new(),
@@ -218,7 +220,8 @@ impl SharedFeed {
         }
         counters.taken += 1;
         inner.last_came = Some(now);
-        inner.clock.note(state.epoch, now);
+        let since_opening = now.saturating_duration_since(self.opened);
+        inner.clock.note(state.epoch, since_opening);
         let Some(seq) = seq else { return };
         match inner.last_seq {
             Some(last) if seq > last => {

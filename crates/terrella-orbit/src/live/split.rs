@@ -1,6 +1,8 @@
 //! Splits a byte stream into packets, skipping anything between them.
 
-use super::packet::{MAGIC, MAX_PACKET_BYTES, Packet, PacketFault, PacketFormat, STATE_BYTES};
+use super::super::pushed::{
+    MAGIC, MAX_PACKET_BYTES, Packet, PacketFault, PacketFormat, STATE_BYTES,
+};
 
 /// Cuts a stream into packets. It holds at most one unfinished packet and the bytes of the last [`Splitter::push`].
 ///
@@ -164,7 +166,8 @@ fn starts(byte: u8) -> bool {
 /// Whether version and length, as far as available, are those of a state.
 fn head_is_good(rest: &[u8]) -> bool {
     let length = (STATE_BYTES as u16).to_le_bytes();
-    rest.get(4).is_none_or(|&v| v == super::packet::VERSION)
+    rest.get(4)
+        .is_none_or(|&v| v == super::super::pushed::VERSION)
         && rest.get(6).is_none_or(|&b| b == length[0])
         && rest.get(7).is_none_or(|&b| b == length[1])
 }

@@ -1,7 +1,7 @@
 //! WebSocket connections (RFC 6455).
 
 use super::super::connections::Standing;
-use super::packet::MAX_PACKET_BYTES;
+use super::super::pushed::MAX_PACKET_BYTES;
 use super::serve::{Departure, is_nothing, message};
 use super::shared::{RateLimiter, SharedFeed};
 use std::net::TcpStream;

@@ -1,7 +1,7 @@
 //! Playback time of images in broadcast.
 
 use super::buffer::{later, nanoseconds};
-use std::time::Instant;
+use std::time::Duration;
 use terrella_frames::Epoch;
 
 /// Arrivals are kept for eight bins of a quarter of a second.
@@ -17,13 +17,14 @@ pub struct PlaybackClock {
     /// Simulated seconds in a second.
     rate: f64,
     /// The first arrival: both ways of counting begin there.
-    origin: Option<(Epoch, Instant)>,
+    origin: Option<(Epoch, Duration)>,
     /// Number of the bin, and the most that an epoch in it was ahead of the wall, seconds.
     bins: [Option<(i64, f64)>; BINS],
     newest_bin: i64,
 }
 
 impl PlaybackClock {
+    /// For a simulator of this rate, simulated seconds in a second.
     pub fn new(rate: f64) -> Self {
         Self {
             rate,
@@ -38,10 +39,10 @@ impl PlaybackClock {
         *self = Self::new(self.rate);
     }
 
-    /// Takes note of an arrival.
-    pub fn note(&mut self, epoch: Epoch, arrival: Instant) {
+    /// Takes note of the arrival of a state. Arrivals are counted from any fixed instant.
+    pub fn note(&mut self, epoch: Epoch, arrival: Duration) {
         let (first, origin) = *self.origin.get_or_insert((epoch, arrival));
-        let wall_s = arrival.saturating_duration_since(origin).as_secs_f64();
+        let wall_s = arrival.saturating_sub(origin).as_secs_f64();
         let ahead_s = nanoseconds(first, epoch) as f64 * 1e-9 - self.rate * wall_s;
         let bin = (wall_s / BIN_S) as i64;
         self.newest_bin = self.newest_bin.max(bin);
@@ -53,10 +54,10 @@ impl PlaybackClock {
         }
     }
 
-    /// The simulated instant at a time on the wall; `None` before the first arrival.
-    pub fn at(&self, now: Instant) -> Option<Epoch> {
+    /// The simulated instant at a time counted as arrivals are; `None` before the first arrival.
+    pub fn at(&self, now: Duration) -> Option<Epoch> {
         let (first, origin) = self.origin?;
-        let wall_s = now.saturating_duration_since(origin).as_secs_f64();
+        let wall_s = now.saturating_sub(origin).as_secs_f64();
         let bins = self.bins.iter().flatten();
         let fresh = bins.filter(|(number, _)| *number > self.newest_bin - BINS as i64);
         let ahead_s = fresh.map(|&(_, s)| s).reduce(f64::max)?;
@@ -68,13 +69,12 @@ impl PlaybackClock {
 mod tests {
     use super::super::buffer::seconds;
     use super::*;
-    use std::time::Duration;
     use terrella_frames::utc_from_rfc3339;
 
     #[test]
     fn jitter_does_not_move_it_and_a_pause_does() {
         let start = utc_from_rfc3339("2018-01-15T12:00:00Z").unwrap();
-        let wall = Instant::now();
+        let wall = Duration::from_secs(7);
         for rate in [1.0, 60.0] {
             let mut clock = PlaybackClock::new(rate);
             assert_eq!(clock.at(wall), None);

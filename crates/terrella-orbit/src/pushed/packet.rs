@@ -17,7 +17,7 @@ pub const MAX_PACKET_BYTES: usize = 4096;
 /// Length of a binary packet with a state, bytes.
 pub const STATE_BYTES: usize = 84;
 
-pub(super) const CRC_BYTES: usize = 4;
+pub(crate) const CRC_BYTES: usize = 4;
 /// Longest name, characters.
 const MAX_NAME_CHARS: usize = 64;
 /// From 1900-01-01, where `hifitime` counts TAI from, to 1970-01-01.

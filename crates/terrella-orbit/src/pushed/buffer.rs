@@ -4,7 +4,7 @@ use super::super::constants::EARTH_GM_M3_S2;
 use super::super::interpolated::{InterpolatedStates, Interpolation, StateSample};
 use super::super::kepler::Conic;
 use super::super::{Frame, OrbitState};
-use super::options::Extrapolation;
+use super::Extrapolation;
 use std::collections::VecDeque;
 use terrella_frames::{Duration, Epoch, Orientation};
 
@@ -14,6 +14,7 @@ pub const MAX_STATES: usize = 256;
 /// Result of adding a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Insertion {
+    /// It is the latest one.
     Newest,
     /// It arrived after a later one and was inserted in order.
     Late,
@@ -83,6 +84,7 @@ impl StateBuffer {
     }
 
     /// Takes a state that a simulator waits for: it is drawn whatever was before.
+    #[cfg(any(feature = "live", test))]
     pub fn take_frame(&mut self, state: OrbitState) {
         self.apart = None;
         let goes_on = self.newest().is_some_and(|newest| {
