@@ -11,6 +11,7 @@
 
 mod error;
 mod limits;
+mod shared;
 mod textures;
 mod truth;
 mod truth_layers;
@@ -27,13 +28,15 @@ pub use truth_layers::{LayerDtype, TRUTH_LAYERS, TruthLayer, TruthPixel};
 
 use crate::gpu::{Development, FrameTargets, GpuContext, TruthTargets};
 use crate::{
-    DiagnosticOptions, Earth, EarthError, EarthOptions, EyeView, FrameRequest, FrameStats,
-    Pipelines, Sky, TruthView,
+    DiagnosticOptions, Earth, EarthError, EarthLayers, EarthOptions, EyeView, FrameRequest,
+    FrameStats, LayerSelection, MapError, MapUploader, Pipelines, Shading, Sky, TruthView,
+    UploadedMaps, load_layers_to,
 };
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 use terrella_imagery::tile::TileKey;
 
-/// An Earth that renders into memory, on its own device or on one that clones of its [`GpuContext`] share.
+/// An Earth that renders into memory. Earths of one program share their device ([`Self::open_gpu`]) and their maps ([`Self::shared_maps`]).
 ///
 /// It renders three kinds of images: colour, light and truth. The first request for a kind creates its [`Earth`] and textures, so a program pays
 /// only for the kinds that it uses. All kinds share the maps, which the first image moves from memory to the GPU.
@@ -46,6 +49,8 @@ pub struct OffscreenEarth {
     shown: Option<Drawn<PictureTextures>>,
     light: Option<Drawn<PictureTextures>>,
     truth: Option<Drawn<TruthTargets>>,
+    /// The last field: it is dropped after what others may share.
+    _release: shared::Release,
 }
 
 /// An Earth of one kind, and its render targets.
@@ -66,11 +71,50 @@ pub struct Drawing {
 impl OffscreenEarth {
     /// Opens the best adapter, or the best of those whose name contains `adapter`, letter case aside, for images of any kind. It blocks.
     ///
+    /// While an Earth of this program uses the device, later calls with the same name return it too.
+    ///
     /// # Errors
     /// No adapter, none of that name, or one that provides no device.
     pub fn open_gpu(adapter: Option<&str>) -> Result<GpuContext, OffscreenError> {
         let float = GpuContext::FLOAT_TARGET;
-        Ok(pollster::block_on(GpuContext::open_with(adapter, float))?)
+        shared::gpu(adapter, || {
+            Ok(pollster::block_on(GpuContext::open_with(adapter, float))?)
+        })
+    }
+
+    /// Maps for [`EarthOptions::layers`] and [`EarthOptions::uploaded`], which `load` reads from `files`. While an Earth of this program uses them, later
+    /// calls return the same maps without reading: if the device, `variant` and the files with their lengths and times of change are the same.
+    /// `variant` names all else that the maps depend on.
+    ///
+    /// # Errors
+    /// Those of `load`.
+    pub fn shared_maps<E>(
+        gpu: &GpuContext,
+        files: Vec<PathBuf>,
+        variant: String,
+        load: impl FnOnce() -> Result<(EarthLayers, UploadedMaps), E>,
+    ) -> Result<(EarthLayers, UploadedMaps), E> {
+        shared::maps(gpu, files, variant, load)
+    }
+
+    /// As [`Self::shared_maps`], the maps of a folder as [`load_layers`](crate::load_layers) reads them, for Earths with the default shading.
+    ///
+    /// # Errors
+    /// Invalid maps, and maps that the device rejects.
+    pub fn shared_layers(
+        gpu: &GpuContext,
+        folder: &Path,
+        selection: LayerSelection,
+    ) -> Result<(EarthLayers, UploadedMaps), MapError> {
+        let files = selection.files_in(folder);
+        shared::maps(gpu, files, format!("{selection:?}"), || {
+            let uploader = MapUploader::new(&gpu.device, &gpu.queue, Shading::default());
+            let (layers, damaged) = load_layers_to(folder, selection, &uploader)?;
+            match damaged.into_iter().next() {
+                Some(damaged) => Err(damaged.error.into()),
+                None => Ok((layers, uploader.finish()?)),
+            }
+        })
     }
 
     /// An Earth with these options for images of `size`, width and height in pixels. Colour format, depth and diagnostics of the options are
@@ -99,6 +143,7 @@ impl OffscreenEarth {
             shown: None,
             light: None,
             truth: None,
+            _release: shared::Release,
         })
     }
 

@@ -57,6 +57,9 @@ pub struct GpuContext {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
     faults: GpuFaults,
+    /// Held by each clone.
+    #[cfg(feature = "offscreen")]
+    clones: std::sync::Arc<()>,
 }
 
 impl GpuContext {
@@ -146,6 +149,8 @@ impl GpuContext {
             })?;
         Ok(Self {
             faults: GpuFaults::of(&device),
+            #[cfg(feature = "offscreen")]
+            clones: Default::default(),
             instance,
             adapter,
             device,
@@ -159,6 +164,18 @@ impl GpuContext {
     /// The first error outside error scopes. A lost device is reported by every call.
     pub fn check(&self) -> Result<(), GpuFault> {
         self.faults.take().map_or(Ok(()), Err)
+    }
+
+    /// Whether the device can be used: it is not lost.
+    #[cfg(feature = "offscreen")]
+    pub(crate) fn is_usable(&self) -> bool {
+        !self.faults.is_lost()
+    }
+
+    /// Whether there is another clone.
+    #[cfg(feature = "offscreen")]
+    pub(crate) fn has_clones(&self) -> bool {
+        std::sync::Arc::strong_count(&self.clones) > 1
     }
 
     /// Returns what was read back, or the device's error if one occurred before.

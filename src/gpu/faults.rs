@@ -77,6 +77,13 @@ impl GpuFaults {
             _ => first.take(),
         }
     }
+
+    /// Whether the device is lost.
+    #[cfg(feature = "offscreen")]
+    pub fn is_lost(&self) -> bool {
+        let first = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        matches!(&*first, Some(GpuFault::Lost(_)))
+    }
 }
 
 #[cfg(test)]

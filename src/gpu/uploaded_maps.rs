@@ -12,7 +12,7 @@ use terrella_imagery::{LayerImage, MapRows, MapSink, MapSummaryRows, TexelFormat
 ///
 /// It is filled by [`EarthOptions::upload`](crate::EarthOptions::upload) from maps in memory, or by a [`MapUploader`] from files.
 #[derive(Clone, Debug, Default)]
-pub struct UploadedMaps([Option<GpuMap>; MAP_LAYERS]);
+pub struct UploadedMaps(Arc<[Option<GpuMap>; MAP_LAYERS]>);
 
 impl UploadedMaps {
     /// A map by its kind.
@@ -22,12 +22,22 @@ impl UploadedMaps {
 
     /// Adds maps, which replace those of the same kind.
     pub(crate) fn add(&mut self, others: Self) {
-        others.0.into_iter().flatten().for_each(|map| self.set(map));
+        others
+            .0
+            .iter()
+            .flatten()
+            .for_each(|map| self.set(map.clone()));
     }
 
     fn set(&mut self, map: GpuMap) {
         let index = map.layer().index();
-        self.0[index] = Some(map);
+        Arc::make_mut(&mut self.0)[index] = Some(map);
+    }
+
+    /// Whether there is another clone.
+    #[cfg(feature = "offscreen")]
+    pub(crate) fn has_clones(&self) -> bool {
+        Arc::strong_count(&self.0) > 1
     }
 
     /// The uploaded map that replaces one without texels, for a shading.

@@ -26,6 +26,8 @@ mod quality;
 #[cfg(feature = "terrain")]
 mod relief;
 mod scaled;
+#[cfg(feature = "offscreen")]
+mod shared_maps;
 #[cfg(feature = "terrain")]
 mod streamed_heights;
 #[cfg(feature = "packs")]
