@@ -32,8 +32,7 @@ pub unsafe extern "C" fn terrella_earth_new(
         check_out(earth, "earth")?;
         // SAFETY: the caller's promise.
         let wanted = unsafe { Wanted::read(options) }?;
-        let gpu = OffscreenEarth::open_gpu(wanted.adapter.as_deref())?;
-        let made = OffscreenEarth::new(gpu, wanted.options, wanted.size)?;
+        let made = OffscreenEarth::new(wanted.gpu, wanted.options, wanted.size)?;
         // SAFETY: the caller's promise.
         unsafe { write(earth, "earth", handles::insert(KIND, made)) }
     })

@@ -5,8 +5,8 @@ use crate::pointers::{read, text_if_any, write};
 use std::ffi::c_char;
 use std::path::PathBuf;
 use terrella::{
-    Atmosphere, CityLights, EarthOptions, Exposure, LayerSelection, SurfaceLight, find_textures,
-    load_layers,
+    Atmosphere, CityLights, EarthOptions, Exposure, GpuContext, LayerSelection, OffscreenEarth,
+    SurfaceLight, find_textures,
 };
 
 /// Options of an Earth. Fill them with `terrella_options_default`, then change what you need.
@@ -88,15 +88,15 @@ pub unsafe extern "C" fn terrella_options_default(options: *mut TerrellaOptions)
     answer(|| unsafe { write(options, "options", default) })
 }
 
-/// The options in the library's types.
+/// The options in the library's types, and the opened adapter.
 pub(crate) struct Wanted {
     pub size: (u32, u32),
-    pub adapter: Option<String>,
+    pub gpu: GpuContext,
     pub options: EarthOptions,
 }
 
 impl Wanted {
-    /// Reads options and the maps that they name.
+    /// Reads options, opens the adapter and reads the maps that they name.
     ///
     /// # Safety
     /// `options` is null or points to options whose texts end with zero bytes.
@@ -124,7 +124,11 @@ impl Wanted {
             night_lights: options.night_lights != 0,
             ..LayerSelection::default()
         };
-        let mut earth = EarthOptions::new(load_layers(&folder, wanted).map_err(Failure::file)?);
+        let gpu = OffscreenEarth::open_gpu(adapter)?;
+        let maps = OffscreenEarth::shared_layers(&gpu, &folder, wanted);
+        let (layers, uploaded) = maps.map_err(Failure::file)?;
+        let mut earth = EarthOptions::new(layers);
+        earth.uploaded = uploaded;
         earth.light.detail = options.detail != 0;
         earth.light.directional_reflectance = options.directional_reflectance != 0;
         if earth.light.detail && wanted.night_lights {
@@ -137,7 +141,7 @@ impl Wanted {
         }
         Ok(Self {
             size: (options.width, options.height),
-            adapter: adapter.map(str::to_owned),
+            gpu,
             options: earth,
         })
     }

@@ -241,7 +241,7 @@ pub use film::{
     PictureFormat, PictureLook, PictureSettings, SharedFolder, Shutter, checksum,
 };
 pub use flight::{Flight, Moment, SatelliteState, ViewRequest};
-pub use maps::{DroppedLayer, earth_options};
+pub use maps::{DroppedLayer, earth_options, shared_options};
 pub use mp4::mp4_problem;
 pub use name_table::names;
 #[cfg(feature = "window")]

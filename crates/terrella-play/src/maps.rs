@@ -9,7 +9,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use terrella::frames::Epoch;
 use terrella::internals::gpu::BcSupport;
-use terrella::{EarthError, EarthOptions, GpuContext, MapUploader, SurfaceLight, TileOptions};
+use terrella::{
+    EarthError, EarthOptions, GpuContext, MapUploader, OffscreenEarth, SurfaceLight, TileOptions,
+};
 use terrella_imagery::pack::{MANIFEST_FILE, Pack, PackTiles};
 use terrella_imagery::tile::{MapLayer, Storage};
 use terrella_imagery::{
@@ -32,13 +34,36 @@ pub(super) fn earth_options_at(
     options_of(scene, epoch, bc, None)
 }
 
+/// As [`earth_options`], with maps on this device, which Earths of one program share ([`OffscreenEarth::shared_maps`]).
+///
+/// # Errors
+/// As [`earth_options`].
+pub fn shared_options(scene: &Scene, gpu: &GpuContext) -> Result<EarthOptions, PlayError> {
+    let is_shared = true;
+    options_on(UploadTo { gpu, is_shared }, scene, scene.time.start)
+}
+
+/// The device that maps are uploaded to while they are read.
+#[derive(Clone, Copy)]
+struct UploadTo<'g> {
+    gpu: &'g GpuContext,
+    /// Whether Earths of the program share them.
+    is_shared: bool,
+}
+
 /// As [`earth_options`], with maps that are uploaded to this device while they are read, and not kept in memory.
 pub(super) fn uploaded_options_at(
     scene: &Scene,
     epoch: Epoch,
     gpu: &GpuContext,
 ) -> Result<EarthOptions, PlayError> {
-    let mut options = options_of(scene, epoch, gpu.bc_support(), Some(gpu))?;
+    let is_shared = false;
+    options_on(UploadTo { gpu, is_shared }, scene, epoch)
+}
+
+fn options_on(to: UploadTo<'_>, scene: &Scene, epoch: Epoch) -> Result<EarthOptions, PlayError> {
+    let gpu = to.gpu;
+    let mut options = options_of(scene, epoch, gpu.bc_support(), Some(to))?;
     let uploaded = options.upload(&gpu.device, &gpu.queue);
     uploaded.map_err(EarthError::from)?;
     Ok(options)
@@ -49,12 +74,12 @@ fn options_of(
     scene: &Scene,
     epoch: Epoch,
     bc: BcSupport,
-    gpu: Option<&GpuContext>,
+    to: Option<UploadTo<'_>>,
 ) -> Result<EarthOptions, PlayError> {
     let table = &scene.earth;
     let mut options = match &table.pack {
         Some(pack) => pack_options(scene, pack, bc)?,
-        None => folder_options(scene, epoch, gpu)?,
+        None => folder_options(scene, epoch, to)?,
     };
     set_dated_layers(scene, epoch, &mut options.layers)?;
     options.figure = table.figure;
@@ -226,7 +251,7 @@ fn storage_of(pack: &Pack, table: &PackTable, bc: BcSupport) -> Result<(Storage,
 fn folder_options(
     scene: &Scene,
     epoch: Epoch,
-    gpu: Option<&GpuContext>,
+    to: Option<UploadTo<'_>>,
 ) -> Result<EarthOptions, PlayError> {
     let folder = maps_folder(scene)?;
     let table = &scene.earth;
@@ -243,11 +268,25 @@ fn folder_options(
     };
     let has_cloud_normals = table.normals && is_paper;
     // Normals of clouds are made from clouds in memory.
-    if let Some(gpu) = gpu.filter(|_| !has_cloud_normals) {
-        let uploader = MapUploader::new(&gpu.device, &gpu.queue, table.shading);
-        let layers = maps.load(scene, &uploader)?;
+    if let Some(UploadTo { gpu, is_shared }) = to.filter(|_| !has_cloud_normals) {
+        let load = || {
+            let uploader = MapUploader::new(&gpu.device, &gpu.queue, table.shading);
+            let layers = maps.load(scene, &uploader)?;
+            let uploaded = uploader.finish().map_err(EarthError::from)?;
+            Ok::<_, PlayError>((layers, uploaded))
+        };
+        let (layers, uploaded) = match is_shared {
+            true => {
+                let mut files = selection.files_in(&folder);
+                files.extend(maps.season.is_some().then(|| folder.join(SEASONS_FILE)));
+                let date = maps.season.is_some().then_some(epoch);
+                let variant = format!("{selection:?}, {:?}, {date:?}", table.shading);
+                OffscreenEarth::shared_maps(gpu, files, variant, load)?
+            }
+            false => load()?,
+        };
         return Ok(EarthOptions {
-            uploaded: uploader.finish().map_err(EarthError::from)?,
+            uploaded,
             city_lights,
             ..EarthOptions::new(layers)
         });

@@ -1,4 +1,4 @@
-//! The Earth with its own device, seen by a camera.
+//! The Earth, seen by a camera. Earths of a program share device and maps.
 
 use crate::arguments::wait;
 use crate::camera::PyCamera;
@@ -13,12 +13,11 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 use terrella::{
-    Atmosphere, CityLights, EarthOptions, Exposure, LayerSelection, OffscreenEarth, Sky,
-    load_layers,
+    Atmosphere, CityLights, EarthOptions, Exposure, GpuContext, LayerSelection, OffscreenEarth, Sky,
 };
-use terrella_play::earth_options;
+use terrella_play::shared_options;
 
-/// The Earth on a device of its own: of a folder of maps, or as the tables of a scene's text describe it (`scene`: the path that messages
+/// The Earth of a folder of maps, or as the tables of a scene's text describe it (`scene`: the path that messages
 /// name, and the text).
 #[pyclass(frozen, subclass, name = "Earth", module = "terrella")]
 pub struct PyEarth {
@@ -60,13 +59,16 @@ impl PyEarth {
             )));
         }
         let exposure = exposure_ev.map_or(Exposure::default(), Exposure::Ev);
-        let plain = || {
+        let plain = |gpu: &GpuContext| {
             let wanted = LayerSelection {
                 clouds,
                 night_lights,
                 ..LayerSelection::default()
             };
-            let mut options = EarthOptions::new(load_layers(&textures, wanted).map_err(of_any)?);
+            let maps = OffscreenEarth::shared_layers(gpu, &textures, wanted);
+            let (layers, uploaded) = maps.map_err(of_any)?;
+            let mut options = EarthOptions::new(layers);
+            options.uploaded = uploaded;
             options.light.detail = detail;
             options.light.directional_reflectance = directional_reflectance;
             if detail && night_lights {
@@ -84,9 +86,9 @@ impl PyEarth {
             let options = match scene {
                 Some((path, text)) => {
                     let scene = read_scene(&path, Some(&text), &textures)?;
-                    earth_options(&scene, gpu.bc_support()).map_err(of_play)?
+                    shared_options(&scene, &gpu).map_err(of_play)?
                 }
-                None => plain()?,
+                None => plain(&gpu)?,
             };
             OffscreenEarth::new(gpu, options, size).map_err(of_offscreen)
         })?;

@@ -98,7 +98,7 @@ class Frame:
 
 
 class Earth(_native.Earth):
-    """The Earth on a device of its own, for a ``Camera`` at an instant.
+    """The Earth for a ``Camera`` at an instant.
 
     ``size`` is width and height in pixels; ``textures`` a folder of maps (by default that of TERRELLA_TEXTURES, else the maps that came with
     the package); ``adapter`` a part of the name of the graphics adapter (by default the best); ``samples`` 1 or 4 a pixel; ``air``, ``clouds``
@@ -107,7 +107,8 @@ class Earth(_native.Earth):
     light is multiplied by 2 to this power before display, so that each step of 1 doubles it. ``Earth.from_dict`` has terrain, packs, open water and all other settings.
 
     The first image of each kind (colour, light, truth) creates its renderer. Any thread may call it; it renders one image at a time, and other
-    Python threads run meanwhile. After ``fork`` a child must create its own.
+    Python threads run meanwhile. Earths of a program share the device and, where their maps are the same, one copy of them. After ``fork`` a child
+    must create its own.
     """
 
     def __new__(
