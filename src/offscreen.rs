@@ -29,8 +29,8 @@ pub use truth_layers::{LayerDtype, TRUTH_LAYERS, TruthLayer, TruthPixel};
 use crate::gpu::{Development, FrameTargets, GpuContext, TruthTargets};
 use crate::{
     DiagnosticOptions, Earth, EarthError, EarthLayers, EarthOptions, EyeView, FrameRequest,
-    FrameStats, LayerSelection, MapError, MapUploader, Pipelines, Shading, Sky, TruthView,
-    UploadedMaps, load_layers_to,
+    FrameStats, LayerSelection, MapError, MapUploader, Pipelines, Sky, TruthView, UploadedMaps,
+    load_layers_to,
 };
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -108,7 +108,7 @@ impl OffscreenEarth {
     ) -> Result<(EarthLayers, UploadedMaps), MapError> {
         let files = selection.files_in(folder);
         shared::maps(gpu, files, format!("{selection:?}"), || {
-            let uploader = MapUploader::new(&gpu.device, &gpu.queue, Shading::default());
+            let uploader = MapUploader::new(&gpu.device, &gpu.queue, Default::default());
             let (layers, damaged) = load_layers_to(folder, selection, &uploader)?;
             match damaged.into_iter().next() {
                 Some(damaged) => Err(damaged.error.into()),

@@ -8,27 +8,13 @@ mod clock;
 mod packet;
 
 use super::{Feed, Freshness, OrbitError, OrbitState};
-pub use buffer::{Insertion, MAX_STATES};
+pub use buffer::{Extrapolation, Insertion, MAX_STATES, REACH_S};
 pub(crate) use buffer::{StateBuffer, later};
 pub use clock::PlaybackClock;
 #[cfg(feature = "live")]
 pub(crate) use packet::{CRC_BYTES, MAGIC, STATE_BYTES, VERSION};
 pub use packet::{MAX_PACKET_BYTES, Packet, PacketFault, PacketFormat, PacketKind};
 use terrella_frames::{Epoch, rfc3339};
-
-/// Default of how far states continue a motion, and of how far they may be apart, seconds.
-pub const REACH_S: f64 = 60.0;
-
-/// How the satellite goes on where states are missing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Extrapolation {
-    /// On the conic of the last state: free fall.
-    #[default]
-    TwoBody,
-    /// Linear, for objects that do not fall.
-    Linear,
-}
 
 /// The motion of a satellite whose states are pushed. The last [`MAX_STATES`] are kept. Between states Hermite's cubic interpolates; beyond the last
 /// one the satellite falls freely.

@@ -4,9 +4,22 @@ use super::super::constants::EARTH_GM_M3_S2;
 use super::super::interpolated::{InterpolatedStates, Interpolation, StateSample};
 use super::super::kepler::Conic;
 use super::super::{Frame, OrbitState};
-use super::Extrapolation;
 use std::collections::VecDeque;
 use terrella_frames::{Duration, Epoch, Orientation};
+
+/// Default of how far states continue a motion, and of how far they may be apart, seconds.
+pub const REACH_S: f64 = 60.0;
+
+/// How the satellite goes on where states are missing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Extrapolation {
+    /// On the conic of the last state: free fall.
+    #[default]
+    TwoBody,
+    /// Linear, for objects that do not fall.
+    Linear,
+}
 
 /// How many states are kept.
 pub const MAX_STATES: usize = 256;
