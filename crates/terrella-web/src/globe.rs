@@ -1,16 +1,18 @@
 //! The classes that `earth.js` wraps.
 
+mod marks;
+
 use crate::canvas::{Canvas, LOST};
 use crate::compact::restore;
 use crate::eye::{Eye, View};
 use crate::maps::Incoming;
-use crate::satellites::{self, Satellite};
+use crate::overlay::Overlay;
 use crate::thrown;
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 use terrella::celestial::{Celestial, CelestialMoment, CelestialOptions, StarCatalogue};
 use terrella::frames::Orientation;
-use terrella::tracks::{TrackMoment, Tracks, TracksOptions};
+use terrella::tracks::TrackMoment;
 use terrella::{
     Atmosphere, Earth, EarthOptions, Epoch, Exposure, FrameRequest, MapLayer, Pipelines, Sky,
     supply_air_tables, supply_detail_tile,
@@ -122,8 +124,7 @@ impl Opening {
             celestial,
             incoming: None,
             eye: eye.ok_or_else(|| thrown("the first view is not finite"))?,
-            satellites: Vec::new(),
-            tracks: None,
+            overlay: Overlay::default(),
             has_sky: true,
             is_complete: true,
         })
@@ -139,8 +140,7 @@ pub struct Globe {
     /// Finer maps that are coming.
     incoming: Option<Incoming>,
     eye: Eye,
-    satellites: Vec<Satellite>,
-    tracks: Option<Tracks>,
+    overlay: Overlay,
     /// Whether stars and Sun are drawn.
     has_sky: bool,
     is_complete: bool,
@@ -284,7 +284,7 @@ impl Globe {
             .set_quality(&self.canvas.queue, &quality)
             .map_err(thrown)?;
         self.has_sky = sky;
-        Ok(())
+        self.overlay.follow(&self.earth).map_err(thrown)
     }
 
     /// Draws with all effects, or with the inexpensive ones of the default.
@@ -299,7 +299,8 @@ impl Globe {
         appearance.light.airglow = is_full;
         self.earth
             .set_appearance(&self.canvas.queue, &appearance)
-            .map_err(thrown)
+            .map_err(thrown)?;
+        self.overlay.follow(&self.earth).map_err(thrown)
     }
 
     /// Draws so many pixels for each of the canvas, along either axis: 0.25 to 1.
@@ -366,44 +367,6 @@ impl Globe {
         self.eye.north_up(self.canvas.size());
     }
 
-    /// Draws the satellites of a text, as [`satellites::read`] takes it, or one of them by name or catalogue number; an empty text draws none. Returns
-    /// their names.
-    ///
-    /// # Errors
-    /// The error in the text, with its line. The satellites are then unchanged.
-    #[wasm_bindgen(js_name = setSatellites)]
-    pub fn set_satellites(
-        &mut self,
-        text: &str,
-        name: Option<String>,
-    ) -> Result<Vec<String>, JsValue> {
-        let feeds = match text.trim().is_empty() {
-            true => Vec::new(),
-            false => satellites::read(text, name.as_deref()).map_err(thrown)?,
-        };
-        self.tracks = match feeds.is_empty() {
-            true => None,
-            false => {
-                let styles = satellites::styles(feeds.len());
-                let options = TracksOptions::of(&self.earth);
-                Some(Tracks::new(&self.canvas.device, &options, &styles).map_err(thrown)?)
-            }
-        };
-        self.satellites = feeds;
-        let names = self
-            .satellites
-            .iter()
-            .map(|one| one.feed().name().to_owned());
-        Ok(names.collect())
-    }
-
-    /// The epoch of a satellite's elements or its first state, milliseconds since 1970.
-    #[wasm_bindgen(js_name = epochOf)]
-    pub fn epoch_of(&self, satellite: usize) -> Option<f64> {
-        let satellite = self.satellites.get(satellite)?;
-        Some(satellite.epoch().to_unix_milliseconds())
-    }
-
     /// Draws the frame of an instant, milliseconds since 1970 (UTC). Answers whether it is whole: curves of satellites grow over some frames.
     ///
     /// # Errors
@@ -427,19 +390,15 @@ impl Globe {
                 velocity_m_s: None,
             },
         );
-        self.is_complete = true;
-        if let Some(tracks) = &mut self.tracks {
-            let moment = TrackMoment {
-                epoch,
-                orientation,
-                turn: None,
-                view: &view,
-                target: size.into(),
-            };
-            let feeds = self.satellites.iter().map(Satellite::feed);
-            self.is_complete = tracks.prepare(queue, &moment, feeds).is_complete;
-        }
-        let (earth, celestial, tracks) = (&self.earth, &self.celestial, &self.tracks);
+        let moment = TrackMoment {
+            epoch,
+            orientation,
+            turn: None,
+            view: &view,
+            target: size.into(),
+        };
+        self.is_complete = self.overlay.prepare(queue, &moment, &sky);
+        let (earth, celestial, overlay) = (&self.earth, &self.celestial, &self.overlay);
         let has_sky = self.has_sky;
         let drawn = self.canvas.draw(|pass| {
             earth.render_surface(pass);
@@ -448,22 +407,17 @@ impl Globe {
                 celestial.render(pass);
             }
             earth.render_clouds_overhead(pass);
-            if let Some(tracks) = tracks {
-                tracks.render(pass);
-            }
+            overlay.render(pass);
         });
         drawn.map_err(thrown)?;
         Ok(self.is_complete)
     }
 
-    /// Where names of satellites belong in the frame drawn last: of each its place in the list, and x and y, pixels.
+    /// Where names belong in the frame drawn last: of each 0 for a satellite or 1 for a station, its place in the list, and x and y, pixels.
     pub fn labels(&self) -> Vec<f64> {
         let scale = f64::from(self.canvas.drawn_size().0) / f64::from(self.canvas.size().0);
-        let labels = self.tracks.iter().flat_map(|tracks| tracks.labels());
-        let parts = labels.map(|label| {
-            let [x, y] = label.at_px.map(|px| f64::from(px) / scale);
-            [label.satellite as f64, x, y]
-        });
+        let labels = self.overlay.labels();
+        let parts = labels.map(|[kind, index, x, y]| [kind, index, x / scale, y / scale]);
         parts.flatten().collect()
     }
 

@@ -3,6 +3,8 @@
 //! The page owns canvas, events and time; this crate draws and moves the camera. Lengths in the interface are metres, angles degrees,
 //! places on the canvas its own pixels from the upper left corner, instants milliseconds since 1970 (UTC) as `Date.now()` gives them.
 
+#[cfg_attr(not(target_family = "wasm"), allow(dead_code))]
+mod almanac;
 #[cfg(target_family = "wasm")]
 mod canvas;
 mod compact;
@@ -16,9 +18,13 @@ mod maps;
 #[allow(dead_code)]
 #[path = "../../terrella-play/src/orbit_camera.rs"]
 mod orbit_camera;
+#[cfg(target_family = "wasm")]
+mod overlay;
 #[allow(dead_code)]
 #[path = "../../terrella-play/src/pose.rs"]
 mod pose;
+#[cfg_attr(not(target_family = "wasm"), allow(dead_code))]
+mod pushed;
 #[cfg_attr(not(target_family = "wasm"), allow(dead_code))]
 mod satellites;
 

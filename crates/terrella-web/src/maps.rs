@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use terrella::{
     EarthLayers, LayerImage, LayerSelection, MapBands, MapError, MapLayer, MapRows, MapSink,
-    MapUploader, TexelFormat, UploadedMaps, load_layers_to, wgpu,
+    MapUploader, Season, TexelFormat, UploadedMaps, load_seasonal_layers, wgpu,
 };
 use wasm_bindgen::prelude::{JsCast, JsValue, wasm_bindgen};
 
@@ -22,13 +22,18 @@ fn format_of(layer: MapLayer) -> TexelFormat {
 }
 
 /// Decodes maps: an object of `Uint8Array`s by the names of the starter maps (`day.jpg`, `clouds.jpg`, `elevation.png`, `night_lights.png`,
-/// `water.png`), of which the first must be there. For a worker. `take` is called with each band: number of the map, its width and height, level, first
+/// `water.png`, `seasons.png`), of which the first must be there. For a worker. Snow and sea ice are those of a time since the start of the year, as a
+/// fraction of it; without it, or without `seasons.png`, there are those of the day map. `take` is called with each band: number of the map, its width and height, level, first
 /// row, and texels; after the last band of a map with the level −1.
 ///
 /// # Errors
 /// The first map that cannot be read.
 #[wasm_bindgen(js_name = decodeMaps)]
-pub fn decode_maps(maps: js_sys::Object, take: js_sys::Function) -> Result<(), JsValue> {
+pub fn decode_maps(
+    maps: js_sys::Object,
+    year_fraction: Option<f64>,
+    take: js_sys::Function,
+) -> Result<(), JsValue> {
     let mut files = HashMap::new();
     for entry in js_sys::Object::entries(&maps).iter() {
         let pair: js_sys::Array = entry.unchecked_into();
@@ -52,7 +57,12 @@ pub fn decode_maps(maps: js_sys::Object, take: js_sys::Function) -> Result<(), J
         take,
         failed: RefCell::new(None),
     };
-    let (_, damaged) = load_layers_to(&files, selection, &sink).map_err(thrown)?;
+    let season = match year_fraction {
+        Some(fraction) => Season::load(&files, fraction).map_err(thrown)?,
+        None => None,
+    };
+    let loaded = load_seasonal_layers(&files, selection, season.as_ref(), &sink);
+    let (_, damaged) = loaded.map_err(thrown)?;
     match (sink.failed.into_inner(), damaged.into_iter().next()) {
         (Some(error), _) => Err(error),
         (None, Some(damaged)) => Err(thrown(damaged.error)),

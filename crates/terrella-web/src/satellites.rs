@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use terrella::Epoch;
+use terrella::orbit::pushed::PushedFeed;
 use terrella::orbit::{
     Catalogue, Ephemerides, EphemerisFeed, Feed, FileFormat, OrbitError, Sgp4Feed,
 };
@@ -12,12 +13,14 @@ const WITH_TRACKS: usize = 10;
 /// Most satellites drawn of one text.
 pub const MOST: usize = 20_000;
 
-/// A satellite of a text.
+/// A satellite of a text, or one whose states the page pushes.
 pub enum Satellite {
     /// Mean elements.
     Elements(Sgp4Feed),
     /// States over time.
     States(EphemerisFeed),
+    /// States that the page pushes.
+    Pushed(PushedFeed),
 }
 
 impl Satellite {
@@ -25,6 +28,7 @@ impl Satellite {
         match self {
             Self::Elements(feed) => feed,
             Self::States(feed) => feed,
+            Self::Pushed(feed) => feed,
         }
     }
 
@@ -33,6 +37,7 @@ impl Satellite {
         match self {
             Self::Elements(feed) => feed.epoch(),
             Self::States(feed) => feed.validity().0,
+            Self::Pushed(feed) => feed.validity().0,
         }
     }
 }
