@@ -1,8 +1,8 @@
 //! `cargo xtask web`: the Earth for web pages, built, served on this machine and tested in a browser.
 
 mod data;
-mod embed;
 mod npm;
+mod parts;
 mod peers;
 mod serve;
 mod toolchain;
@@ -22,12 +22,13 @@ use toolchain::Toolchain;
 /// The backends of pages, each with its own wasm file.
 const BACKENDS: [&str; 2] = ["webgpu", "webgl"];
 /// The starter maps that a page uses.
-const MAPS: [&str; 6] = [
+const MAPS: [&str; 7] = [
     "day.jpg",
     "clouds.jpg",
     "elevation.png",
     "night_lights.png",
     "water.png",
+    "seasons.png",
     "stars.bin",
 ];
 
@@ -219,8 +220,14 @@ fn copy_pages(dist: &Path) -> anyhow::Result<()> {
             copy_whole(&path, &to.join(name), false)?;
         }
     }
-    let tile = root.join("crates/terrella-imagery/data/detail_tile.jpg");
-    copy_whole(&tile, &dist.join("terrella/data/detail_tile.jpg"), false)?;
+    for data in [
+        "crates/terrella-imagery/data/detail_tile.jpg",
+        "textures/lines.bin",
+    ] {
+        let from = root.join(data);
+        let name = from.file_name().unwrap_or_default();
+        copy_whole(&from, &dist.join("terrella/data").join(name), false)?;
+    }
     for name in MAPS {
         let to = dist.join("terrella/maps").join(name);
         copy_whole(&root.join("textures").join(name), &to, false)?;
@@ -228,36 +235,52 @@ fn copy_pages(dist: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Runs the parts of the test of these names; all without a name.
+/// Runs the parts of the test of these names; all without a name. A part that fails does not stop the others.
 fn test(dist: &Path, program: Option<PathBuf>, only: &[String]) -> anyhow::Result<()> {
-    let is_wanted = |part: &&str| only.is_empty() || only.iter().any(|one| one == part);
-    let wanted = PICTURES.into_iter().filter(is_wanted);
-    let wanted: Vec<_> = wanted.collect();
-    if !wanted.is_empty() {
-        compare(dist, program, &wanted.join(","))?;
+    let is_wanted = |part: &str| only.is_empty() || only.iter().any(|one| one == part);
+    let pictures: Vec<_> = PICTURES
+        .into_iter()
+        .filter(|part| is_wanted(part))
+        .collect();
+    let (tests, web) = (
+        package().join("tests"),
+        repository_root().join("target/web"),
+    );
+    let mut failed = Vec::new();
+    let mut run = |part: &str, is_wanted: bool, test: &dyn Fn() -> anyhow::Result<()>| {
+        if is_wanted && let Err(error) = test() {
+            say(&format!("{part}: {error:#}"));
+            failed.push(part.to_owned());
+        }
+    };
+    let list = pictures.join(",");
+    run(&list, !pictures.is_empty(), &|| {
+        compare(dist, program.as_deref(), &list)
+    });
+    run("servers", is_wanted("servers"), &|| {
+        parts::servers(dist, &tests, &web.join("servers"))
+    });
+    run("examples", is_wanted("examples"), &|| {
+        parts::examples(dist, &tests, &web.join("pictures"))
+    });
+    run("bundlers", is_wanted("bundlers"), &|| {
+        parts::bundlers(dist, &tests)
+    });
+    match failed.is_empty() {
+        true => Ok(()),
+        false => bail!("failed: {}", failed.join("; ")),
     }
-    let tests = package().join("tests");
-    if is_wanted(&"servers") {
-        embed::servers(dist, &tests, &repository_root().join("target/web/servers"))?;
-    }
-    if is_wanted(&"examples") {
-        embed::examples(dist, &tests, &repository_root().join("target/web/pictures"))?;
-    }
-    if is_wanted(&"bundlers") {
-        embed::bundlers(dist, &tests)?;
-    }
-    Ok(())
 }
 
 /// Opens the pages and compares them with native pictures.
-fn compare(dist: &Path, program: Option<PathBuf>, only: &str) -> anyhow::Result<()> {
+fn compare(dist: &Path, program: Option<&Path>, only: &str) -> anyhow::Result<()> {
     let (root, tests) = (repository_root(), package().join("tests"));
     for page in ["test.html", "test.css"] {
         copy_whole(&tests.join(page), &dist.join(page), false)?;
     }
     let native = root.join("target/web/native");
     let program = match program {
-        Some(program) => program,
+        Some(program) => program.to_owned(),
         None => cargo::build(&["build", "--package", "terrella-cli"])?
             .terrella
             .context("cargo built no program")?,
@@ -295,10 +318,11 @@ fn draw_natively(program: &Path, views: &Path, maps: &Path, to: &Path) -> anyhow
 fn scene_of(view: &Value, maps: &Path) -> String {
     let kilometres = view["altitude"].as_f64().unwrap_or_default() / 1000.0;
     format!(
-        "[time]\nstart = {}\n\n[earth]\ntextures = {:?}\n\n[camera]\nmode = \"geodetic\"\nlat_deg = {}\nlon_deg = {}\nheight_km = {kilometres}\nheading_deg = {}\n\
+        "[time]\nstart = {}\n\n[earth]\ntextures = {:?}\nseasons = {}\n\n[camera]\nmode = \"geodetic\"\nlat_deg = {}\nlon_deg = {}\nheight_km = {kilometres}\nheading_deg = {}\n\
          pitch_deg = {}\nfov_deg = {}\n\n[sky]\nglare = true\n\n[output]\nsamples = 4\nexposure_ev = {}\n",
         view["epoch"],
         maps.display().to_string(),
+        view["seasons"].as_bool().unwrap_or_default(),
         view["lat"],
         view["lon"],
         view["heading"],

@@ -15,8 +15,8 @@ export class Decoder {
     this.#worker.postMessage({ wasm });
   }
 
-  /** Decodes maps, bytes by name, and passes each band of rows to `take`. The bytes are gone afterwards. */
-  decode(maps, take) {
+  /** Decodes maps, bytes by name, with the snow and ice of a fraction of a year, and passes each band of rows to `take`. The bytes are gone afterwards. */
+  decode(maps, season, take) {
     return new Promise((resolve, reject) => {
       this.#reject = reject;
       this.#worker.onerror = (event) => reject(new Error(`The worker that decodes maps did not start: ${event.message ?? `worker-${this.#backend}.js could not be loaded`}.`));
@@ -30,7 +30,7 @@ export class Decoder {
         }
       };
       const buffers = new Set(Object.values(maps).map((bytes) => bytes.buffer));
-      this.#worker.postMessage({ maps }, [...buffers]);
+      this.#worker.postMessage({ maps, season }, [...buffers]);
     });
   }
 

@@ -10,7 +10,7 @@ export function decodeMessages(start, decodeMaps) {
         return;
       }
       await started;
-      decodeMaps(data.maps, (map, width, height, level, first, texels) => {
+      decodeMaps(data.maps, data.season, (map, width, height, level, first, texels) => {
         postMessage({ band: [map, width, height, level, first, texels] }, [texels.buffer]);
       });
       postMessage({ end: true });

@@ -3,12 +3,14 @@
 import { Controls } from "./controls.js";
 import { Decoder } from "./decoder.js";
 import { BACKENDS, MAPS, PREVIEW_MAPS } from "./files.js";
-import { loadBackend, loadMaps, mapSources } from "./load.js";
+import { loadBackend, loadLines, loadMaps, mapSources } from "./load.js";
+import { chosenWords, labelObjects, LINES, MAPPED_LINES, passObjects, spanObjects, stationNumbers, wholeStations } from "./marks.js";
 
 /** Interval between checks for device faults while nothing is drawn, milliseconds. */
 const FAULT_INTERVAL_MS = 1000;
-/** The catalogue of stars among the maps. */
+/** The catalogue of stars, and the snow and ice of each month, among the maps. */
 const STARS = "stars.bin";
+const SEASONS = "seasons.png";
 /** Progress when the first maps are loaded, when they are decoded, and when the first picture can be drawn. */
 const PART_LOADED = 0.3;
 const PART_DECODED = 0.4;
@@ -31,9 +33,19 @@ async function availableBackend() {
 
 const milliseconds = (epoch) => {
   const ms = epoch instanceof Date ? epoch.getTime() : typeof epoch === "string" ? (epoch === "now" ? Date.now() : Date.parse(epoch)) : Number(epoch);
-  if (!Number.isFinite(ms)) throw new TypeError(`The epoch ${epoch} is no date; write it as 2026-01-31T12:00:00Z, or now.`);
+  if (!Number.isFinite(ms)) throw new TypeError(`The epoch ${epoch} is no date; write it as 2026-01-31T12:00:00Z, now or live.`);
   return ms;
 };
+
+/** The time since the start of its year, as a fraction of it. */
+function yearFraction(ms) {
+  const year = new Date(ms).getUTCFullYear();
+  const start = Date.UTC(year, 0);
+  return (ms - start) / (Date.UTC(year + 1, 0) - start);
+}
+
+/** Milliseconds in an hour. */
+const HOUR = 3_600_000;
 
 /** Parts that can be hidden, in the order of the wasm function. */
 const LAYERS = ["clouds", "lights", "relief", "water", "air", "sky"];
@@ -68,22 +80,33 @@ export class TerrellaEarth extends EventTarget {
   #exposure = "auto";
   /** The displayed instant at a time of the page's clock. */
   #shown = { ms: Date.now(), at: performance.now() };
+  /** Whether pushed states set the instant, and the one that was drawn last. */
+  #isLive = false;
+  #drawnLive = NaN;
   #isVisible = true;
   #isLost = false;
   #names = [];
+  #stations = [];
+  #lines = [];
+  /** Settles when coast lines and borders are there. */
+  #vectorMap = null;
   /** Settles when the whole maps are drawn. */
   complete = Promise.resolve();
 
   /** Creates the Earth on a canvas without a context; see terrella.d.ts. */
   static async create(canvas, options = {}) {
-    const { maps = MAPS, backend = "auto", samples = 4, anisotropy = 8, signal, controls = true } = options;
+    const { maps = MAPS, backend = "auto", samples = 4, anisotropy = 8, signal, controls = true, epoch = "now", seasons = true } = options;
+    const shown = epoch === "live" ? Date.now() : milliseconds(epoch);
+    const season = seasons ? yearFraction(shown) : undefined;
     const preview = options.preview ?? (options.maps ? undefined : PREVIEW_MAPS);
     const progress = options.progress ?? (() => {});
     progress(0, "loading");
     const kind = backend === "auto" ? await availableBackend() : backend;
     if (!BACKENDS[kind]) throw new TypeError(`There is no backend ${kind}; write auto, webgpu or webgl.`);
-    const { [STARS]: stars, ...whole } = mapSources(maps, Object.keys(MAPS));
-    const first = preview ? mapSources(preview, Object.keys(PREVIEW_MAPS)) : whole;
+    const { [STARS]: stars, [SEASONS]: months, ...years } = mapSources(maps, Object.keys(MAPS));
+    const seasonal = (sources) => (seasons && months ? { ...sources, [SEASONS]: months } : sources);
+    const whole = seasonal(years);
+    const first = preview ? seasonal(mapSources(preview, Object.keys(PREVIEW_MAPS))) : whole;
     const loading = loadMaps(stars ? { ...first, [STARS]: stars } : first, signal, (part) => progress(PART_LOADED * part, "loading"));
     // It is awaited below, and fails there.
     loading.catch(() => {});
@@ -97,7 +120,7 @@ export class TerrellaEarth extends EventTarget {
       const { [STARS]: starBytes, ...files } = await loading;
       const opened = await opening;
       progress(PART_LOADED, "maps");
-      await decoder.decode(files, (...band) => opened.band(...band));
+      await decoder.decode(files, season, (...band) => opened.band(...band));
       signal?.throwIfAborted();
       progress(PART_DECODED, "air");
       earth.#globe = await opened.finish(starBytes);
@@ -110,13 +133,14 @@ export class TerrellaEarth extends EventTarget {
     earth.#canvas = canvas;
     earth.#decoder = decoder;
     earth.backend = kind;
+    earth.epoch = epoch;
     earth.#lostPrefix = module.Globe.lostPrefix();
     earth.#faultTimer = setInterval(() => earth.#tellFaults(), FAULT_INTERVAL_MS);
     canvas.addEventListener("webglcontextlost", earth.#contextLost);
     document.addEventListener("visibilitychange", earth.#visibilityChanged);
     if (controls) earth.#controls = new Controls(canvas, earth);
     progress(FIRST_PICTURE, "ready");
-    earth.complete = preview ? earth.#refine(whole, signal, progress) : Promise.resolve(progress(1, "complete"));
+    earth.complete = preview ? earth.#refine(whole, season, signal, progress) : Promise.resolve(progress(1, "complete"));
     // An event reports its failure too.
     earth.complete.catch(() => {});
     earth.invalidate();
@@ -124,11 +148,11 @@ export class TerrellaEarth extends EventTarget {
   }
 
   /** Replaces the small maps by the whole ones. */
-  async #refine(sources, signal, progress) {
+  async #refine(sources, season, signal, progress) {
     try {
       const part = (part) => progress(FIRST_PICTURE + (1 - FIRST_PICTURE) * part, "refining");
       const files = await loadMaps(sources, signal, (loaded) => part(PART_LOADED * loaded));
-      await this.#decoder?.decode(files, (...band) => this.#globe?.band(...band));
+      await this.#decoder?.decode(files, season, (...band) => this.#globe?.band(...band));
       if (!this.#globe) return;
       this.#globe.setMaps();
       progress(1, "complete");
@@ -193,9 +217,7 @@ export class TerrellaEarth extends EventTarget {
   }
 
   set hide(parts) {
-    const hidden = (Array.isArray(parts) ? parts : String(parts).split(/[\s,]+/)).filter((part) => part);
-    const unknown = hidden.find((part) => !LAYERS.includes(part));
-    if (unknown) throw new TypeError(`There is no part ${unknown} to hide; write some of ${LAYERS.join(", ")}.`);
+    const hidden = chosenWords(parts, LAYERS, (part) => `part ${part} to hide`);
     this.#alive.setLayers(...LAYERS.map((layer) => !hidden.includes(layer)));
     this.#hidden = hidden;
     this.invalidate();
@@ -231,8 +253,15 @@ export class TerrellaEarth extends EventTarget {
   }
 
   set epoch(epoch) {
-    this.#shown = { ms: milliseconds(epoch), at: performance.now() };
+    const isLive = epoch === "live";
+    if (!isLive) this.#shown = { ms: milliseconds(epoch), at: performance.now() };
+    this.#isLive = isLive;
     this.invalidate();
+  }
+
+  /** Whether pushed states set the instant. */
+  get isLive() {
+    return this.#isLive;
   }
 
   get rate() {
@@ -241,7 +270,7 @@ export class TerrellaEarth extends EventTarget {
 
   set rate(rate) {
     if (!Number.isFinite(Number(rate))) throw new TypeError(`The rate ${rate} is no number; write simulated seconds per second.`);
-    this.epoch = this.epoch;
+    if (!this.#isLive) this.epoch = this.epoch;
     this.#rate = Number(rate);
     this.invalidate();
   }
@@ -274,14 +303,68 @@ export class TerrellaEarth extends EventTarget {
     return ms === undefined ? undefined : new Date(ms);
   }
 
+  /** Takes a state that a simulator pushes, as an object or a line of JSON. Returns the satellite's name. */
+  push(packet) {
+    const text = typeof packet === "string" ? packet : JSON.stringify(packet);
+    const index = this.#alive.push(text ?? "", performance.now(), this.#rate || 1);
+    if (index >= this.#names.length) this.#names = this.#alive.names();
+    this.invalidate();
+    return this.#names[index];
+  }
+
+  /** Ground stations, an array or a text of JSON. */
+  get stations() {
+    return this.#stations.map((station) => ({ ...station }));
+  }
+
+  set stations(stations) {
+    const whole = wholeStations(stations);
+    this.#alive.setStations(stationNumbers(whole));
+    this.#stations = whole;
+    this.invalidate();
+  }
+
+  /** Lines on the ground, an array or text of the words coasts, borders, graticule, twilight. */
+  get lines() {
+    return [...this.#lines];
+  }
+
+  set lines(lines) {
+    this.#lines = chosenWords(lines, LINES, (line) => `kind of lines ${line}`);
+    if (!this.#vectorMap && this.#lines.some((line) => MAPPED_LINES.includes(line))) {
+      this.#vectorMap = loadLines().then((file) => {
+        this.#globe?.supplyLines(file);
+        this.#showLines();
+      });
+      this.#vectorMap.catch((error) => {
+        // The next change tries again.
+        this.#vectorMap = null;
+        this.#fail(error);
+      });
+    }
+    this.#showLines();
+  }
+
+  #showLines() {
+    this.#globe?.setLines(...LINES.map((line) => this.#lines.includes(line)));
+    this.invalidate();
+  }
+
+  /** Passes of a satellite over a station. */
+  passes({ satellite = 0, station = 0, from = this.epoch, hours = 24 } = {}) {
+    const begin = milliseconds(from);
+    return passObjects(this.#alive.passes(satellite, station, begin, begin + hours * HOUR));
+  }
+
+  /** The times at which a satellite is in the Earth's shadow. */
+  shadows({ satellite = 0, from = this.epoch, hours = 24 } = {}) {
+    const begin = milliseconds(from);
+    return spanObjects(this.#alive.shadows(satellite, begin, begin + hours * HOUR));
+  }
+
   /** Label positions in the last frame, in canvas pixels. */
   get labels() {
-    const numbers = this.#alive.labels();
-    const labels = [];
-    for (let i = 0; i < numbers.length; i += 3) {
-      labels.push({ index: numbers[i], name: this.#names[numbers[i]], x: numbers[i + 1], y: numbers[i + 2] });
-    }
-    return labels;
+    return labelObjects(this.#alive.labels(), [this.#names, this.#stations.map(({ name }) => name)]);
   }
 
   /** Latitude and longitude of the surface under a canvas pixel, degrees; null off the globe. */
@@ -291,15 +374,26 @@ export class TerrellaEarth extends EventTarget {
   }
 
   /** The satellite whose marker in the last frame is nearest to a canvas pixel, within so many pixels; null without one. */
-  pickSatellite(x, y, within = 12 * devicePixelRatio) {
+  pickSatellite(x, y, within) {
+    return this.#nearest("satellite", x, y, within);
+  }
+
+  /** The same of stations. */
+  pickStation(x, y, within) {
+    return this.#nearest("station", x, y, within);
+  }
+
+  #nearest(kind, x, y, within = 12 * devicePixelRatio) {
     const far = (label) => Math.hypot(label.x - x, label.y - y);
-    const nearest = this.labels.reduce((best, label) => (!best || far(label) < far(best) ? label : best), null);
+    const labels = this.labels.filter((label) => label.kind === kind);
+    const nearest = labels.reduce((best, label) => (!best || far(label) < far(best) ? label : best), null);
     return nearest && far(nearest) <= within ? { index: nearest.index, name: nearest.name } : null;
   }
 
   /** Sends the event `pick` for a canvas pixel. */
   click(x, y) {
-    this.dispatchEvent(new CustomEvent("pick", { detail: { x, y, place: this.pick(x, y), satellite: this.pickSatellite(x, y) } }));
+    const found = { place: this.pick(x, y), satellite: this.pickSatellite(x, y), station: this.pickStation(x, y) };
+    this.dispatchEvent(new CustomEvent("pick", { detail: { x, y, ...found } }));
   }
 
   grab(x, y) {
@@ -384,7 +478,10 @@ export class TerrellaEarth extends EventTarget {
       this.#fail(error);
     }
     this.dispatchEvent(new CustomEvent("frame", { detail: { epoch: new Date(ms) } }));
-    if (this.#rate !== 0 || !isWhole) this.invalidate();
+    // Pushed states reach only so far.
+    const moves = this.#isLive ? ms !== this.#drawnLive : this.#rate !== 0;
+    this.#drawnLive = this.#isLive ? ms : NaN;
+    if (moves || !isWhole) this.invalidate();
     return isWhole;
   }
 
@@ -447,6 +544,8 @@ export class TerrellaEarth extends EventTarget {
   }
 
   #epochAt(now) {
+    // Before the first state it is now.
+    if (this.#isLive) return this.#globe?.liveEpoch(now) ?? Date.now();
     return this.#shown.ms + (now - this.#shown.at) * this.#rate;
   }
 

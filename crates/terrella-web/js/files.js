@@ -7,6 +7,7 @@ export const MAPS = {
   "elevation.png": new URL("./maps/elevation.png", import.meta.url),
   "night_lights.png": new URL("./maps/night_lights.png", import.meta.url),
   "water.png": new URL("./maps/water.png", import.meta.url),
+  "seasons.png": new URL("./maps/seasons.png", import.meta.url),
   "stars.bin": new URL("./maps/stars.bin", import.meta.url),
 };
 
@@ -22,6 +23,9 @@ export const PREVIEW_MAPS = {
 /** Tables of the default air, deflated, and the tile of synthetic detail. */
 export const AIR = new URL("./data/air.bin", import.meta.url);
 export const DETAIL_TILE = new URL("./data/detail_tile.jpg", import.meta.url);
+
+/** Coast lines and borders. */
+export const LINES = new URL("./data/lines.bin", import.meta.url);
 
 /** The modules, wasm files and workers of the backends. */
 export const BACKENDS = {

@@ -1,6 +1,6 @@
 // Files of the page: fetched, counted, compiled.
 
-import { AIR, BACKENDS, DETAIL_TILE } from "./files.js";
+import { AIR, BACKENDS, DETAIL_TILE, LINES } from "./files.js";
 
 /** The only map that must be there. */
 const DAY = "day.jpg";
@@ -68,12 +68,19 @@ async function fetchedMap(name, source, signal, count) {
   const chunks = [];
   let length = 0;
   const reader = response.body.getReader();
-  count(0, Number(response.headers.get("content-length")) || 0);
+  const announced = Number(response.headers.get("content-length")) || 0;
+  count(0, announced);
   const next = () => received(what, source, signal, reader.read());
-  for (let part = await next(); !part.done; part = await next()) {
-    chunks.push(part.value);
-    length += part.value.length;
-    count(part.value.length, 0);
+  try {
+    for (let part = await next(); !part.done; part = await next()) {
+      chunks.push(part.value);
+      length += part.value.length;
+      count(part.value.length, 0);
+    }
+  } catch (error) {
+    // Another attempt counts from the start.
+    count(-length, -announced);
+    throw error;
   }
   const bytes = new Uint8Array(length);
   let at = 0;
@@ -121,6 +128,9 @@ async function compile(source) {
   }
   return compiled.get(address);
 }
+
+/** The file of coast lines and borders. */
+export const loadLines = () => loaded("Coast lines and borders", LINES, async (response) => new Uint8Array(await response.arrayBuffer()));
 
 const inflated = (response) => new Response(response.body.pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
 

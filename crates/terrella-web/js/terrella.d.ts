@@ -38,6 +38,10 @@ export interface Options {
   anisotropy?: number;
   /** Whether pointer, wheel and keys move the camera; by default they do. */
   controls?: boolean;
+  /** The instant shown first, by default now. Snow and sea ice are those of its date. */
+  epoch?: Date | number | string;
+  /** Whether snow and sea ice are those of the date; by default they are. Otherwise they are those of the day map. */
+  seasons?: boolean;
   /** Ends the loading. */
   signal?: AbortSignal;
   /** How much is loaded, 0…1, and what is going on. The first picture can be drawn at 0.5. */
@@ -55,6 +59,56 @@ export interface Camera {
 /** A part of the picture that can be hidden. */
 export type Layer = "clouds" | "lights" | "relief" | "water" | "air" | "sky";
 
+/** Lines on the ground. `twilight` is the terminator, and the ends of civil, nautical and astronomical twilight. */
+export type Lines = "coasts" | "borders" | "graticule" | "twilight";
+
+/** A ground station. */
+export interface Station {
+  name?: string;
+  /** Geodetic, degrees. */
+  lat: number;
+  /** Degrees, east positive. */
+  lon: number;
+  /** Metres above the ellipsoid; 0 by default. */
+  altitude?: number;
+  /** Least elevation of a satellite that it sees, degrees; 5 by default. */
+  mask?: number;
+}
+
+/** A state that a simulator pushes. */
+export interface Packet {
+  /** UTC, RFC 3339, with up to nine decimals. */
+  epoch: string;
+  frame: "GCRF" | "EME2000" | "TEME" | "ITRF" | "PEF";
+  /** Metres from the Earth's centre. */
+  position_m: [number, number, number];
+  /** Metres per second as seen in the frame. */
+  velocity_m_s: [number, number, number];
+  /** "live" by default. */
+  name?: string;
+}
+
+/** A span of time of which a search finds something. */
+export interface Search {
+  /** Index of the satellite; 0 by default. */
+  satellite?: number;
+  /** By default the instant shown. */
+  from?: Date | number | string;
+  /** Length of the span; 24 by default, 744 at most. */
+  hours?: number;
+}
+
+/** A pass of a satellite over a station. */
+export interface Pass {
+  begin: Date;
+  highest: Date;
+  end: Date;
+  /** Greatest elevation, degrees. */
+  elevation: number;
+  /** Whether the satellite is in sunlight under a dark sky (the Sun 6° below the horizon) in some part of it. */
+  isVisible: boolean;
+}
+
 /** What a click met. */
 export interface Pick {
   x: number;
@@ -62,10 +116,12 @@ export interface Pick {
   /** The ground there, degrees; null beside the globe. */
   place: { lat: number; lon: number } | null;
   satellite: { index: number; name: string } | null;
+  station: { index: number; name: string } | null;
 }
 
-/** A name beside a satellite, in pixels of the canvas. */
+/** A name beside a satellite or a station, in pixels of the canvas. */
 export interface Label {
+  kind: "satellite" | "station";
   index: number;
   name: string;
   x: number;
@@ -115,10 +171,15 @@ export class TerrellaEarth extends EventTarget {
   resolution: number | "auto";
   /** Settles when the whole maps are drawn in place of the first, small ones. */
   readonly complete: Promise<void>;
-  /** The instant shown. Takes milliseconds since 1970 (UTC), RFC 3339 text and "now" too. */
+  /**
+   * The instant shown. Takes milliseconds since 1970 (UTC), RFC 3339 text, "now", and "live", which follows pushed states: 0.1 s behind them, so that late
+   * ones still come in time, and at most a minute beyond the last.
+   */
   get epoch(): Date;
   set epoch(epoch: Date | number | string);
-  /** Simulated seconds per second; 0 stands still, and nothing is drawn while nothing moves. */
+  /** Whether the epoch is "live". */
+  readonly isLive: boolean;
+  /** Simulated seconds per second; 0 stands still, and nothing is drawn while nothing moves. With "live" it is the simulator's rate, and 0 is 1. */
   rate: number;
   /** Exposure value, −20…20, or "auto", which meters each frame and is the default. */
   exposure: number | "auto";
@@ -131,11 +192,28 @@ export class TerrellaEarth extends EventTarget {
   setSatellites(text: string, name?: string): string[];
   /** The epoch of a satellite's elements, or that of its first state. */
   elementsEpoch(index?: number): Date | undefined;
+  /**
+   * Takes a state that a simulator pushes, or its line of JSON, and answers with the satellite's name. A new name becomes a new satellite. The last 256
+   * states of each are kept. `setSatellites` removes pushed satellites too.
+   */
+  push(packet: Packet | string): string;
+  /** Ground stations, each with the area in which it sees the first satellite, and a line to each satellite in view. Takes a text of JSON too. */
+  get stations(): Required<Station>[];
+  set stations(stations: Station[] | string);
+  /** Lines drawn on the ground. Takes text with blanks between the words too. Coast lines and borders are loaded first. */
+  get lines(): Lines[];
+  set lines(lines: Lines[] | string);
+  /** Passes of a satellite over a station, in order. */
+  passes(search?: Search & { station?: number }): Pass[];
+  /** The times at which a satellite is in the Earth's umbra, in order. */
+  shadows(search?: Search): { begin: Date; end: Date }[];
   readonly labels: Label[];
   /** The ground under a pixel of the canvas, degrees; null beside the globe. */
   pick(x: number, y: number): { lat: number; lon: number } | null;
   /** The satellite whose marker is nearest to a pixel of the canvas, within so many pixels. */
   pickSatellite(x: number, y: number, within?: number): { index: number; name: string } | null;
+  /** The station whose mark is nearest to a pixel of the canvas, within so many pixels. */
+  pickStation(x: number, y: number, within?: number): { index: number; name: string } | null;
   /** Sends the event `pick` for a pixel of the canvas, as a click does. */
   click(x: number, y: number): void;
   /** Holds the place under a pixel for the drags that follow. */
@@ -174,8 +252,8 @@ export class TerrellaEarth extends EventTarget {
 }
 
 /**
- * `<terrella-earth>`. Attributes: `maps`, `preview`, `backend`, `samples`, `anisotropy`, `satellites` (an address), `satellite` (a name), which are read
- * at the start; and those that are properties too.
+ * `<terrella-earth>`. Attributes: `maps`, `preview`, `backend`, `samples`, `anisotropy`, `seasons`, `satellites` (an address), `satellite` (a name), which
+ * are read at the start; and those that are properties too.
  */
 export class TerrellaEarthElement extends HTMLElement {
   /** The Earth, once it is ready. */
@@ -195,6 +273,10 @@ export class TerrellaEarthElement extends HTMLElement {
   look: "standard" | "full";
   hide: Layer[] | string;
   resolution: number | "auto";
+  stations: Station[] | string;
+  lines: Lines[] | string;
+  /** As that of the Earth; before that is ready the state is dropped. */
+  push(packet: Packet | string): string | undefined;
   /** Draws satellites now, or as soon as the Earth is ready. */
   setSatellites(text: string, name?: string): string[] | undefined;
   addEventListener<K extends keyof TerrellaEarthElementEventMap>(

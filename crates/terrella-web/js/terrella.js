@@ -6,8 +6,8 @@ export { TerrellaEarth };
 
 /** Attributes whose changes apply to a live Earth. */
 const VIEW = ["lat", "lon", "altitude", "heading", "pitch", "fov"];
-const LIVE = [...VIEW, "epoch", "rate", "exposure", "look", "hide", "resolution"];
-/** Limit on satellite labels: more would hide the globe. */
+const LIVE = [...VIEW, "epoch", "rate", "exposure", "look", "hide", "resolution", "stations", "lines"];
+/** Limit on labels: more would hide the globe. */
 const MAX_LABELS = 50;
 /** What screen readers say of the canvas. */
 const LABEL = "The Earth";
@@ -74,6 +74,11 @@ export class TerrellaEarthElement extends HTMLElement {
     this.#sources.wasm = wasm;
   }
 
+  /** Takes a state that a simulator pushes. Returns the satellite's name; before the Earth is ready the state is dropped. */
+  push(packet) {
+    return this.#earth?.push(packet);
+  }
+
   /** Draws satellites now, or as soon as the Earth is ready. */
   setSatellites(text, name) {
     const names = this.#earth?.setSatellites(text, name);
@@ -129,6 +134,8 @@ export class TerrellaEarthElement extends HTMLElement {
         samples: this.#number("samples"),
         anisotropy: this.#number("anisotropy"),
         controls,
+        epoch: this.getAttribute("epoch") ?? undefined,
+        seasons: this.getAttribute("seasons") !== "off",
         signal: abort.signal,
         progress: (part, what) => {
           if (abort.signal.aborted) return;
@@ -196,6 +203,7 @@ export class TerrellaEarthElement extends HTMLElement {
       return;
     }
     const kept = Object.fromEntries(LIVE.filter((name) => !VIEW.includes(name)).map((name) => [name, this.#earth?.[name]]));
+    if (this.#earth?.isLive) kept.epoch = "live";
     this.#stop();
     this.addEventListener(
       "ready",
@@ -226,6 +234,11 @@ export class TerrellaEarthElement extends HTMLElement {
   }
 }
 
+function attributeText(name, value) {
+  if (value instanceof Date) return value.toISOString();
+  return name === "stations" && typeof value !== "string" ? JSON.stringify(value) : String(value);
+}
+
 // Numbers, dates and words as properties too: read from the Earth if it exists, else from the attribute.
 for (const name of LIVE) {
   Object.defineProperty(TerrellaEarthElement.prototype, name, {
@@ -237,7 +250,7 @@ for (const name of LIVE) {
       return VIEW.includes(name) ? earth.view[name] : earth[name];
     },
     set(value) {
-      this.setAttribute(name, value instanceof Date ? value.toISOString() : String(value));
+      this.setAttribute(name, attributeText(name, value));
       if (this.earth) VIEW.includes(name) ? (this.earth.view = { [name]: value }) : (this.earth[name] = value);
     },
   });

@@ -117,6 +117,17 @@ async function compare({ view, picture, limit }) {
   return { mean: sum / 3 / pixels, greatest, over: over / pixels, over2: over2 / pixels, first, cpu: times.sort((a, b) => a - b)[2], file };
 }
 
+/** Runs in the page: starts the element again, with the snow and ice of an instant. */
+async function restart(epoch) {
+  const element = document.querySelector("terrella-earth");
+  element.remove();
+  element.removeAttribute("seasons");
+  element.setAttribute("epoch", epoch);
+  const complete = new Promise((resolve) => element.addEventListener("complete", resolve, { once: true }));
+  document.body.append(element);
+  await complete;
+}
+
 async function open(backend, page, hook) {
   const browser = await launchWith(BACKENDS[backend]);
   const context = await browser.newContext({ viewport: { width: SIZE.width, height: SIZE.height + 200 }, hasTouch: true });
@@ -164,7 +175,9 @@ async function pictures(backend) {
     console.log(`     long tasks: ${JSON.stringify(await tab.evaluate(() => window.longTasks))}`);
     const about = await tab.evaluate(() => [document.querySelector("terrella-earth").earth.adapter, JSON.stringify(window.progress)]);
     console.log(`     ${about[0]}; ${about[1]}`);
-    for (const view of views) {
+    // One that restarts the element is the last.
+    for (const view of views.toSorted((a, b) => Boolean(a.seasons) - Boolean(b.seasons))) {
+      if (view.seasons) await tab.evaluate(restart, view.epoch);
       const picture = fs.readFileSync(path.join(native, `${view.name}.png`)).toString("base64");
       const found = await tab.evaluate(compare, { view, picture, limit: GREATEST });
       const isGood = !found.error && found.mean <= MEAN && found.over <= OVER_GREATEST;
@@ -172,6 +185,9 @@ async function pictures(backend) {
       check(`${backend}: ${view.name} as natively`, isGood, numbers);
       if (found.file) fs.writeFileSync(path.join(out, `${backend}-${view.name}.png`), Buffer.from(found.file.split(",")[1], "base64"));
     }
+    await instruments(backend, tab);
+    await page(backend, tab);
+    // It makes further elements, and the hook reads the canvas that was configured last.
     await moves(backend, tab);
     const faults = await tab.evaluate(() => document.querySelector("terrella-earth").shadowRoot.querySelector(".message").textContent);
     check(`${backend}: no message`, faults === "", faults);
@@ -271,15 +287,107 @@ async function moves(backend, tab) {
   check(`${backend}: bad elements are explained`, message?.includes("satellites:1"), message);
 }
 
-async function viewer(backend) {
-  const { browser, tab, said, outcome } = await open(backend, "/#lat=20&lon=-30&altitude=15000000&t=2018-01-14T13:06:40Z", true);
-  check(`${backend}: the viewer is ready`, !outcome.error, outcome.error);
+/** Stations, lines, passes, shadows, and states that the page pushes. */
+async function instruments(backend, tab) {
   const tle = fs.readFileSync(new URL("../../terrella-orbit/data/iss.tle", import.meta.url), "utf8");
-  await tab.locator("#file").setInputFiles({ name: "iss.tle", mimeType: "text/plain", buffer: Buffer.from(tle) });
-  await tab.waitForFunction(() => document.querySelector("terrella-earth").earth.satellites.length === 1);
-  await tab.waitForTimeout(3000);
-  const labels = await tab.evaluate(() => document.querySelector("terrella-earth").earth.labels.map((label) => label.name));
-  check(`${backend}: a satellite from a file has its name`, labels.join() === "ISS (ZARYA)", labels.join());
+  const searched = await tab.evaluate(async (tle) => {
+    const { earth } = document.querySelector("terrella-earth");
+    earth.setSatellites(tle);
+    earth.epoch = earth.elementsEpoch();
+    earth.stations = [{ name: "Berlin", lat: 52.5, lon: 13.4, mask: 10 }];
+    earth.view = { lat: 52.5, lon: 13.4, altitude: 9e6, heading: 0, pitch: -90, fov: 40 };
+    earth.lines = "coasts borders graticule twilight";
+    await new Promise((resolve) => setTimeout(resolve, 1500));
+    earth.draw();
+    const label = earth.labels.find(({ kind }) => kind === "station");
+    return { label, picked: label && earth.pickStation(label.x + 3, label.y), passes: earth.passes(), shadows: earth.shadows(), lines: earth.lines };
+  }, tle);
+  const isMiddle = searched.label && Math.hypot(searched.label.x - SIZE.width / 2, searched.label.y - SIZE.height / 2) < 2;
+  check(`${backend}: a station has its name and is picked`, isMiddle && searched.label.name === "Berlin" && searched.picked?.name === "Berlin", JSON.stringify(searched.label));
+  const seconds = ({ begin, end }) => (Date.parse(end) - Date.parse(begin)) / 1000;
+  // Above 10°, a pass of the space station takes 400 s at most.
+  const arePasses = searched.passes.length >= 3 && searched.passes.every((pass) => seconds(pass) > 0 && seconds(pass) < 420 && pass.elevation >= 10);
+  check(`${backend}: passes of a day`, arePasses, searched.passes.map((pass) => pass.elevation.toFixed(0)).join(" "));
+  const areShadows = searched.shadows.length >= 15 && searched.shadows.slice(1, -1).every((span) => seconds(span) > 1800 && seconds(span) < 2220);
+  check(`${backend}: shadows of a day`, areShadows, searched.shadows.length);
+  await shoot(tab, `${backend}-lines`);
+  const pushed = await tab.evaluate(async () => {
+    const { earth } = document.querySelector("terrella-earth");
+    const wait = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+    const error = (packet) => {
+      try {
+        earth.push(packet);
+      } catch (error) {
+        return error.message;
+      }
+    };
+    earth.setSatellites("");
+    earth.stations = [];
+    earth.lines = [];
+    earth.epoch = "live";
+    const start = Date.UTC(2026, 0, 1);
+    const state = (seconds) => {
+      const [sin, cos] = [Math.sin(1.1e-3 * seconds), Math.cos(1.1e-3 * seconds)];
+      return {
+        name: "Kestrel",
+        epoch: new Date(start + 1000 * seconds).toISOString(),
+        frame: "ITRF",
+        position_m: [6.9e6 * cos, 6.9e6 * sin, 0],
+        velocity_m_s: [-7.59e3 * sin, 7.59e3 * cos, 0],
+      };
+    };
+    earth.view = { lat: 0, lon: 0, altitude: 9e6, heading: 0, pitch: -90, fov: 40 };
+    const begin = performance.now();
+    let name;
+    for (let i = 0; i < 8; i++) {
+      name = earth.push(i % 2 ? JSON.stringify(state((performance.now() - begin) / 1000)) : state((performance.now() - begin) / 1000));
+      await wait(150);
+    }
+    const behind = (performance.now() - begin - (earth.epoch - start)) / 1000;
+    earth.draw();
+    const found = { name, behind, isLive: earth.isLive, names: earth.satellites, labels: earth.labels, error: error({ ...state(0), frame: "MOON" }) };
+    earth.setSatellites("");
+    earth.epoch = start;
+    return found;
+  });
+  check(`${backend}: pushed states become a satellite`, pushed.name === "Kestrel" && pushed.names.join() === "Kestrel" && pushed.labels[0]?.name === "Kestrel", JSON.stringify(pushed.labels));
+  check(`${backend}: the live instant follows them`, pushed.isLive && pushed.behind > 0.05 && pushed.behind < 0.35, `${pushed.behind.toFixed(3)} s behind`);
+  check(`${backend}: a packet with another frame is explained`, pushed.error?.includes("frame is"), pushed.error);
+}
+
+/** The blocks of JavaScript of a section of docs/web.md run as printed. */
+async function page(backend, tab) {
+  const text = fs.readFileSync(new URL("../../../docs/web.md", import.meta.url), "utf8");
+  const block = (heading) => text.split(`## ${heading}\n`)[1]?.match(/```js\n([^]*?)```/)?.[1] ?? "throw new Error('no block')";
+  const tle = fs.readFileSync(new URL("../../terrella-orbit/data/iss.tle", import.meta.url), "utf8");
+  await tab.evaluate((tle) => {
+    const { earth } = document.querySelector("terrella-earth");
+    earth.setSatellites(tle);
+    earth.epoch = earth.elementsEpoch();
+  }, tle);
+  const lines = [];
+  const listen = (message) => message.type() === "log" && lines.push(message.text());
+  tab.on("console", listen);
+  await tab.evaluate(`{${block("Stations, passes and shadows")}}`);
+  await tab.waitForTimeout(500);
+  tab.off("console", listen);
+  check(`${backend}: the page's stations have passes and shadows`, lines.length > 20, `${lines.length} lines`);
+  // The content policy of the test allows no socket.
+  await tab.routeWebSocket("ws://127.0.0.1:5005", (socket) => {
+    const epoch = "2026-01-01T00:00:00Z";
+    socket.send(JSON.stringify({ name: "Kite", epoch, frame: "GCRF", position_m: [7e6, 0, 0], velocity_m_s: [0, 7500, 0] }));
+  });
+  await tab.evaluate(`{${block("States from a simulator")}}`);
+  await tab.waitForFunction(() => document.querySelector("terrella-earth").earth.satellites.includes("Kite"));
+  const shown = await tab.evaluate(() => document.querySelector("terrella-earth").earth.epoch.toISOString());
+  check(`${backend}: the page's socket moves the instant`, shown.startsWith("2026-01-01T00:00"), shown);
+  await tab.evaluate(() => {
+    document.querySelector("terrella-earth").epoch = "now";
+  });
+}
+
+/** Writes the canvas to a file. */
+async function shoot(tab, name) {
   const file = await tab.evaluate(async () => {
     const element = document.querySelector("terrella-earth");
     const canvas = element.shadowRoot.querySelector("canvas");
@@ -290,7 +398,19 @@ async function viewer(backend) {
     else plain.getContext("2d").drawImage(canvas, 0, 0);
     return plain.toDataURL("image/png");
   });
-  fs.writeFileSync(path.join(out, `${backend}-viewer.png`), Buffer.from(file.split(",")[1], "base64"));
+  fs.writeFileSync(path.join(out, `${name}.png`), Buffer.from(file.split(",")[1], "base64"));
+}
+
+async function viewer(backend) {
+  const { browser, tab, said, outcome } = await open(backend, "/#lat=20&lon=-30&altitude=15000000&t=2018-01-14T13:06:40Z", true);
+  check(`${backend}: the viewer is ready`, !outcome.error, outcome.error);
+  const tle = fs.readFileSync(new URL("../../terrella-orbit/data/iss.tle", import.meta.url), "utf8");
+  await tab.locator("#file").setInputFiles({ name: "iss.tle", mimeType: "text/plain", buffer: Buffer.from(tle) });
+  await tab.waitForFunction(() => document.querySelector("terrella-earth").earth.satellites.length === 1);
+  await tab.waitForTimeout(3000);
+  const labels = await tab.evaluate(() => document.querySelector("terrella-earth").earth.labels.map((label) => label.name));
+  check(`${backend}: a satellite from a file has its name`, labels.join() === "ISS (ZARYA)", labels.join());
+  await shoot(tab, `${backend}-viewer`);
   await tab.locator("#share").click();
   const hash = await tab.evaluate(() => location.hash);
   check(`${backend}: the link holds the view and the satellite`, hash.includes("altitude=15000000") && hash.includes("25544"));

@@ -15,6 +15,13 @@ made.epoch = "now";
 made.hide = ["oceans"];
 // @ts-expect-error: a number
 made.lat = "20";
+made.lines = ["coasts", "twilight"];
+made.stations = [{ name: "Kiruna", lat: 67.9, lon: 21 }];
+// @ts-expect-error: a station has a place
+made.stations = [{ name: "Kiruna" }];
+made.push({ epoch: "2026-01-01T00:00:00Z", frame: "GCRF", position_m: [7e6, 0, 0], velocity_m_s: [0, 7500, 0] })?.concat();
+// @ts-expect-error: there is no such frame
+made.push({ epoch: "2026-01-01T00:00:00Z", frame: "MOON", position_m: [7e6, 0, 0], velocity_m_s: [0, 7500, 0] });
 
 made.addEventListener("ready", () => made.earth?.invalidate());
 made.addEventListener("progress", (event) => event.detail.what.concat(event.detail.part.toFixed(1)));
@@ -50,6 +57,10 @@ export async function draw(canvas: HTMLCanvasElement, signal: AbortSignal): Prom
   const view: View = earth.view;
   earth.epoch = view.lat;
   const shown: Date = earth.epoch;
+  earth.epoch = "live";
+  const heights: number[] = earth.passes({ station: 1, hours: 2 }).filter((pass) => pass.isVisible).map((pass) => pass.elevation);
+  const dark: Date[] = earth.shadows({ from: shown }).map(({ begin }) => begin);
+  console.log(heights, dark, earth.stations[0]?.mask, earth.labels[0]?.kind);
   await earth.complete;
   return earth.draw(shown.getTime());
 }
