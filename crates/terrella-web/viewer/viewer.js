@@ -1,4 +1,4 @@
-// The viewer: the globe, a time line, satellites from a file, and a link that stores all of these.
+// The viewer: the globe, a time line, satellites from a file, a station with its passes, lines, and a link that stores all of these.
 
 import "./terrella/terrella.js";
 
@@ -9,6 +9,14 @@ const VIEW = ["lat", "lon", "altitude", "heading", "pitch", "fov"];
 const LINK_TEXT = 4000;
 /** Decimals of a view's numbers in a link. */
 const DIGITS = { lat: 6, lon: 6, altitude: 1, heading: 3, pitch: 3, fov: 3 };
+
+/** Half of the time line, and its whole, milliseconds. */
+const HALF_DAY = 43_200_000;
+const DAY = 2 * HALF_DAY;
+/** Passes listed below the time line. */
+const LISTED_PASSES = 8;
+/** Elevation mask of the station, degrees. */
+const MASK = 10;
 
 /** The middle of the time line. */
 let middle = Date.now();
@@ -30,6 +38,62 @@ function restore() {
   $("rate").value = [...$("rate").options].some((option) => Number(option.value) === rate) ? String(rate) : "0";
   element.setAttribute("rate", $("rate").value);
   elements = state.get("elements") ?? "";
+  $("station").value = state.get("station") ?? "";
+  const lines = (state.get("lines") ?? "").split(" ");
+  for (const box of lineBoxes()) box.checked = lines.includes(box.value);
+}
+
+const lineBoxes = () => [...document.querySelectorAll("#lines input")];
+const checkedLines = () => lineBoxes().filter((box) => box.checked).map((box) => box.value);
+
+const clock = (date) => date.toISOString().slice(11, 16);
+const degrees = (value, [positive, negative]) => `${Math.abs(value).toFixed(2)}° ${value < 0 ? negative : positive}`;
+
+/** Shadows and passes of the first satellite along the time line. */
+function showBands() {
+  const { earth } = element;
+  const search = { from: middle - HALF_DAY, hours: DAY / 3_600_000 };
+  let [shadows, passes] = [[], []];
+  try {
+    [shadows, passes] = [earth.shadows(search), earth.passes(search)];
+  } catch (error) {
+    notice(error.message);
+  }
+  const band = ({ begin, end }, kind) => {
+    const mark = document.createElement("div");
+    mark.className = kind;
+    mark.style.left = `${(100 * (begin - search.from)) / DAY}%`;
+    mark.style.width = `${Math.max((100 * (end - begin)) / DAY, 0.3)}%`;
+    return mark;
+  };
+  $("bands").replaceChildren(
+    ...shadows.map((shadow) => band(shadow, "shadow")),
+    ...passes.map((pass) => band(pass, pass.isVisible ? "visible" : "pass")),
+  );
+  const coming = passes.filter((pass) => pass.end >= middle).slice(0, LISTED_PASSES);
+  const buttons = coming.map((pass) => {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.className = pass.isVisible ? "visible" : "";
+    button.textContent = `${clock(pass.begin)}–${clock(pass.end)} ${pass.elevation.toFixed(0)}°${pass.isVisible ? " visible" : ""}`;
+    button.addEventListener("click", () => setTime(pass.highest.getTime(), false));
+    return button;
+  });
+  $("passes").hidden = buttons.length === 0;
+  $("passes").replaceChildren("Passes, UTC:", ...buttons);
+}
+
+/** The station of the text field, "latitude, longitude"; none of an empty one. */
+function showStation() {
+  const text = $("station").value.trim();
+  const [lat, lon] = text.split(/[\s,]+/).map(Number);
+  try {
+    element.earth.stations = text ? [{ name: "Station", lat, lon, mask: MASK }] : [];
+    notice("");
+  } catch {
+    notice("Write the station as latitude and longitude in degrees, such as 52.5, 13.4.");
+  }
+  showBands();
 }
 
 function link() {
@@ -38,33 +102,47 @@ function link() {
   state.set("t", new Date(element.epoch).toISOString());
   state.set("rate", element.rate);
   if (elements && elements.length <= LINK_TEXT) state.set("elements", elements);
+  if ($("station").value) state.set("station", $("station").value);
+  if (checkedLines().length) state.set("lines", checkedLines().join(" "));
   return new URL(`#${state}`, location.href).href;
 }
 
 function showSatellites(text) {
   try {
-    const names = element.earth.setSatellites(text);
+    const names = element.setSatellites(text);
     elements = text;
     const shown = names.slice(0, 3).join(", ") + (names.length > 3 ? ` and ${names.length - 3} more` : "");
     notice(names.length ? `${shown}. Elements hold for some weeks around their date.` : "");
     const epoch = element.earth.elementsEpoch();
-    if (epoch && Math.abs(epoch - element.epoch) > 30 * 86_400_000) setTime(epoch.getTime());
+    if (epoch && Math.abs(epoch - element.epoch) > 30 * DAY) setTime(epoch.getTime());
+    else showBands();
   } catch (error) {
     notice(error.message);
   }
 }
 
-function setTime(ms) {
-  middle = ms;
-  $("time").value = 0;
+/** Shows an instant, and moves the middle of the time line there. */
+function setTime(ms, isMiddle = true) {
+  if (isMiddle) middle = ms;
+  $("time").value = (ms - middle) / 1000;
   element.epoch = new Date(ms);
+  if (isMiddle) showBands();
 }
 
 const readFile = async (file) => showSatellites(await file.text());
 
 restore();
-element.addEventListener("ready", () => {
+/** After a lost device the element restores itself. */
+element.addEventListener("ready", start, { once: true });
+
+function start() {
+  showStation();
   if (elements) showSatellites(elements);
+  element.lines = checkedLines();
+  $("station").addEventListener("change", showStation);
+  $("lines").addEventListener("change", () => {
+    element.lines = checkedLines();
+  });
   $("time").addEventListener("input", () => {
     element.epoch = new Date(middle + 1000 * Number($("time").value));
   });
@@ -90,11 +168,17 @@ element.addEventListener("ready", () => {
     setTimeout(() => URL.revokeObjectURL(anchor.href), 60_000);
   });
   $("full").addEventListener("click", () => element.requestFullscreen().catch((error) => notice(error.message)));
-});
+}
 element.addEventListener("frame", (event) => {
   $("epoch").textContent = `${event.detail.epoch.toISOString().slice(0, 19).replace("T", " ")} UTC`;
 });
 element.addEventListener("error", (event) => notice(event.detail.message));
+element.addEventListener("pick", ({ detail: { place, satellite, station } }) => {
+  const name = satellite?.name ?? station?.name;
+  const where = place ? `${degrees(place.lat, "NS")}, ${degrees(place.lon, "EW")}` : "";
+  notice([name, where].filter(Boolean).join(", "));
+});
+$("panel").addEventListener("submit", (event) => event.preventDefault());
 
 element.addEventListener("dragover", (event) => {
   event.preventDefault();
