@@ -24,13 +24,13 @@ type Grid = Vec<f64>;
 /// A file cannot be read or written, or is not as expected.
 pub fn run(climates: &Path, ocean: &Path, textures: &Path) -> Result<()> {
     let climates = climates::read(climates)?;
-    let temperatures = ocean::read(ocean)?;
+    let ocean = ocean::read(ocean)?;
     let mut maps = Vec::new();
     for month in 0..MONTHS {
         maps.push(climates.snow(month));
     }
-    for (month, temperatures) in temperatures.iter().enumerate() {
-        maps.push(ocean::ice(temperatures, &climates, month));
+    for month in 0..MONTHS {
+        maps.push(ocean.ice(&climates, month));
     }
     report(&maps, &climates.land);
     let mut pixels = vec![0; ACROSS * COLUMNS * ACROSS * ROWS];

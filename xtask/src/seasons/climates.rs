@@ -11,31 +11,38 @@ const YEAR_DAYS: f64 = 365.25;
 /// Temperatures below which the first snow lies and above which not all is white, °C.
 const FIRST_SNOW: f64 = 5.0;
 const ALL_WHITE: f64 = -3.0;
-/// Days after the land's snow when the ice of a sea with land on all sides is strongest, and temperatures of the land about it between which it
-/// freezes, °C.
-const ICE_LAG_DAYS: f64 = 45.0;
-const FREEZING: [f64; 2] = [-1.0, -5.0];
-/// Fraction of land about such a sea, by a Gaussian of this many degrees.
-const ENCLOSED: [f64; 2] = [0.35, 0.45];
-const ABOUT: f64 = 4.0;
-/// Transition between classes, degrees on the ground.
-const TRANSITION: f64 = 1.2;
+/// Days after the land's snow when the ice of enclosed waters is strongest, and temperatures of the land about them between which they freeze, °C.
+const ICE_LAG_DAYS: f64 = 25.0;
+const FREEZING: [f64; 2] = [-4.0, -9.0];
+/// Transition between classes of the lowlands, and of mountains and tundra, degrees on the ground. The first is wide: between a class with mild and
+/// one with cold winters the temperature falls over a thousand kilometres.
+const LOWLANDS: f64 = 4.0;
+const HIGHLANDS: f64 = 1.2;
 /// Class of permanent frost, and the last class of land.
 const FROST: u8 = 30;
 const LAST_OF_LAND: u8 = 31;
 
 /// Yearly temperatures and dryness of the ground.
 pub struct Climates {
+    /// Of the lowlands, and of mountains and tundra.
+    years: [Years; 2],
+    /// Fraction of mountains and tundra on the land.
+    highlands: Grid,
+    frost: Grid,
+    /// Fraction of land.
+    pub land: Grid,
+}
+
+/// Means of some classes.
+struct Years {
     mean: Grid,
     swing: Grid,
     /// Fraction of snow that lies, as winters are dry.
     lying: Grid,
-    frost: Grid,
-    /// Fraction of land.
-    pub land: Grid,
-    /// How much the sea is one with land on all sides, 0…1.
-    pub enclosed: Grid,
 }
+
+/// Sums over the texels of a cell: mean, swing, lying and their number.
+type Sums = [Grid; 4];
 
 /// Mean and swing, °C, and the fraction of snow that lies, of a class at a latitude. Names as in the package: numbers are alphabetical.
 fn year(class: u8, latitude: f64) -> [f64; 3] {
@@ -83,57 +90,49 @@ pub fn read(path: &Path) -> Result<Climates> {
         path.display()
     );
     let texels = classes.as_raw();
-    let [mut mean, mut swing, mut lying, mut frost, mut land] =
-        [(); 5].map(|()| vec![0.0; COLUMNS * ROWS]);
+    let grid = || vec![0.0; COLUMNS * ROWS];
+    let mut sums: [Sums; 2] = [(); 2].map(|()| [(); 4].map(|()| grid()));
+    let mut frost = grid();
     for cell in 0..COLUMNS * ROWS {
         let (column, row) = (cell % COLUMNS, cell / COLUMNS);
         let rows = (row * side..(row + 1) * side).map(|row| row * width + column * side);
         for class in rows.flat_map(|first| &texels[first..first + side]) {
             if (1..=LAST_OF_LAND).contains(class) {
-                let [of_mean, of_swing, of_lying] = year(*class, latitude(row));
-                mean[cell] += of_mean;
-                swing[cell] += of_swing;
-                lying[cell] += of_lying;
+                let [mean, swing, lying] = year(*class, latitude(row));
+                let sums = &mut sums[usize::from(*class >= FROST)];
+                for (sum, value) in sums.iter_mut().zip([mean, swing, lying, 1.0]) {
+                    sum[cell] += value;
+                }
                 frost[cell] += f64::from(u8::from(*class == FROST));
-                land[cell] += 1.0;
             }
         }
     }
-    let weight = blurred(&land, TRANSITION);
-    let per_land = |sum: &Grid| means(&blurred(sum, TRANSITION), &weight, 1e-6);
-    let frost = means(&frost, &land, 0.0);
-    let land: Grid = land
+    let land: Grid = sums[0][3]
         .iter()
-        .map(|land| land / (side * side) as f64)
+        .zip(&sums[1][3])
+        .map(|(a, b)| a + b)
         .collect();
-    let about = blurred(&land, ABOUT);
-    let enclosed = about.iter().map(|about| share(ENCLOSED, *about));
+    let about = |grid: &Grid| blurred(grid, HIGHLANDS);
+    let highlands = means(&about(&sums[1][3]), &about(&land), 1e-6);
+    let frost = means(&frost, &land, 0.0);
+    let [low, high] = sums;
     Ok(Climates {
-        enclosed: enclosed.collect(),
-        mean: per_land(&mean),
-        swing: per_land(&swing),
-        lying: per_land(&lying),
+        years: [Years::of(&low, LOWLANDS), Years::of(&high, HIGHLANDS)],
+        highlands,
         frost,
-        land,
+        land: land
+            .iter()
+            .map(|land| land / (side * side) as f64)
+            .collect(),
     })
 }
 
-impl Climates {
-    /// Cover with snow in the middle of a month, 0…1. Off the coast it is that of the coast.
-    pub fn snow(&self, month: usize) -> Grid {
-        let cells = 0..self.mean.len();
-        let cover = cells.map(|cell| {
-            let cold = share([FIRST_SNOW, ALL_WHITE], self.temperature(cell, month, 0.0));
-            (cold * self.lying[cell]).max(self.frost[cell])
-        });
-        cover.collect()
-    }
-
-    /// Cover with ice of seas with land on all sides in the middle of a month, 0…1.
-    pub fn ice(&self, month: usize) -> Grid {
-        let cells = 0..self.mean.len();
-        let cover = cells.map(|cell| share(FREEZING, self.temperature(cell, month, ICE_LAG_DAYS)));
-        cover.collect()
+impl Years {
+    fn of([mean, swing, lying, count]: &Sums, transition: f64) -> Self {
+        let weight = blurred(count, transition);
+        let [mean, swing, lying] =
+            [mean, swing, lying].map(|sum| means(&blurred(sum, transition), &weight, 1e-6));
+        Self { mean, swing, lying }
     }
 
     /// In the middle of a month, °C, so many days late.
@@ -146,6 +145,32 @@ impl Climates {
     }
 }
 
+impl Climates {
+    /// Cover with snow in the middle of a month, 0…1. Off the coast it is that of the coast.
+    pub fn snow(&self, month: usize) -> Grid {
+        let cells = 0..self.land.len();
+        let cover = cells.map(|cell| {
+            let [low, high] = [&self.years[0], &self.years[1]].map(|years| {
+                let temperature = years.temperature(cell, month, 0.0);
+                share([FIRST_SNOW, ALL_WHITE], temperature) * years.lying[cell]
+            });
+            (low + self.highlands[cell] * (high - low)).max(self.frost[cell])
+        });
+        cover.collect()
+    }
+
+    /// Cover with ice of enclosed waters in the middle of a month, 0…1.
+    pub fn ice(&self, month: usize) -> Grid {
+        let cells = 0..self.land.len();
+        let cover = cells.map(|cell| {
+            let [low, high] = [&self.years[0], &self.years[1]]
+                .map(|years| share(FREEZING, years.temperature(cell, month, ICE_LAG_DAYS)));
+            low + self.highlands[cell] * (high - low)
+        });
+        cover.collect()
+    }
+}
+
 /// Means from sums and their weights; 0 where the weight is no more than this.
 fn means(sums: &Grid, weights: &Grid, least: f64) -> Grid {
     let pairs = sums.iter().zip(weights);
@@ -155,6 +180,6 @@ fn means(sums: &Grid, weights: &Grid, least: f64) -> Grid {
 }
 
 /// How far a value is from the first bound to the second, 0…1.
-fn share([first, second]: [f64; 2], value: f64) -> f64 {
+pub fn share([first, second]: [f64; 2], value: f64) -> f64 {
     ((value - first) / (second - first)).clamp(0.0, 1.0)
 }

@@ -1,7 +1,7 @@
 //! Ice on the sea, from monthly temperatures of its surface. Ice lies where the water is coldest, and in each month on as much of a hemisphere as
 //! the satellites' long-term mean.
 
-use super::climates::Climates;
+use super::climates::{Climates, share};
 use super::{COLUMNS, Grid, MONTHS, ROWS, area, blurred, latitude};
 use anyhow::{Context, Result, bail, ensure};
 use std::path::Path;
@@ -21,23 +21,90 @@ const LEAST_LATITUDE: [f64; 2] = [40.0, 45.0];
 /// Rise of the temperature from all ice to none, °C, and the cover where the extent ends.
 const EDGE: f64 = 0.5;
 const COVER_AT_EXTENT: f64 = 0.15;
+/// Smoothing of the ice, degrees: its edge shows no cells.
+const ICE_EDGE: f64 = 0.7;
 /// Smoothing of the temperatures north and south of the equator, degrees: they have a cell for every two, and few ships have measured beside
 /// Antarctica.
 const SMOOTHED: [f64; 2] = [1.5, 6.0];
+
+/// Distances from the nearest measured water, degrees, between which waters become enclosed: they freeze by the climate of the land about them.
+const ENCLOSED: [f64; 2] = [1.5, 3.0];
+/// South, north, west and east of waters where nobody has measured in winter, and these months; the source has 1 to 11 °C under their ice: Hudson Bay
+/// and its strait, the Canadian Arctic, Baffin Bay, the Kara Sea and the shelf of Siberia, and the north of the Sea of Okhotsk.
+const UNMEASURED: [[f64; 4]; 4] = [
+    [50.0, 66.0, -96.0, -64.0],
+    [66.0, 84.0, -130.0, -50.0],
+    [68.0, 80.0, 60.0, 180.0],
+    [53.0, 60.0, 134.0, 154.0],
+];
+const WINTER: [usize; 6] = [11, 0, 1, 2, 3, 4];
 
 /// Cells of the source: two degrees wide, from 89.5° S and 20.5° E.
 const SOURCE: (usize, usize) = (180, 90);
 const FIRST: (f64, f64) = (20.5, -89.5);
 const STEP: f64 = 2.0;
 
-/// Temperatures at the surface in the middle of each month, °C, on land those of the nearest sea.
-pub fn read(path: &Path) -> Result<Vec<Grid>> {
+/// Temperatures of the sea.
+pub struct Ocean {
+    /// At the surface in the middle of each month, °C, on land those of the nearest sea.
+    temperatures: Vec<Grid>,
+    /// How much a water is enclosed in each month, 0…1.
+    enclosed: Vec<Grid>,
+}
+
+/// Reads the source.
+pub fn read(path: &Path) -> Result<Ocean> {
     let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
-    let maps = surface(&bytes).with_context(|| path.display().to_string())?;
-    Ok(maps
-        .into_iter()
-        .map(|map| smoothed(&resampled(&filled(map))))
-        .collect())
+    let mut maps = surface(&bytes).with_context(|| path.display().to_string())?;
+    for month in WINTER {
+        let map = &mut maps[month];
+        for (cell, value) in map.iter_mut().enumerate() {
+            let (longitude, latitude) = place(cell);
+            let is_in = |[south, north, west, east]: &[f64; 4]| {
+                (*south..*north).contains(&latitude) && (*west..*east).contains(&longitude)
+            };
+            if UNMEASURED.iter().any(is_in) {
+                *value = None;
+            }
+        }
+    }
+    let enclosed = maps.iter().map(|map| enclosed(map)).collect();
+    let smooth = |map| smoothed(&resampled(&filled(map)));
+    Ok(Ocean {
+        temperatures: maps.into_iter().map(smooth).collect(),
+        enclosed,
+    })
+}
+
+/// Longitude and latitude of a cell of the source, degrees.
+fn place(cell: usize) -> (f64, f64) {
+    let (column, row) = (cell % SOURCE.0, cell / SOURCE.0);
+    let longitude = FIRST.0 + STEP * column as f64;
+    (
+        (longitude + 180.0).rem_euclid(360.0) - 180.0,
+        FIRST.1 + STEP * row as f64,
+    )
+}
+
+/// How much a water is enclosed, by its distance from the nearest cell that has a value.
+fn enclosed(map: &[Option<f64>]) -> Grid {
+    let known = map.iter().enumerate().filter(|(_, value)| value.is_some());
+    let known: Vec<_> = known.map(|(cell, _)| place(cell)).collect();
+    let cells = 0..COLUMNS * ROWS;
+    let values = cells.map(|cell| {
+        let (x, y) = (
+            (cell % COLUMNS) as f64 + 0.5 - 180.0,
+            latitude(cell / COLUMNS),
+        );
+        let width = y.to_radians().cos();
+        let far = |(longitude, latitude): &(f64, f64)| {
+            let east = (longitude - x + 540.0).rem_euclid(360.0) - 180.0;
+            (east * width).hypot(latitude - y)
+        };
+        let nearest = known.iter().map(far).fold(f64::INFINITY, f64::min);
+        share(ENCLOSED, nearest)
+    });
+    values.collect()
 }
 
 /// The variable TEMP of a netCDF file in the classic format, (time, depth, latitude, longitude): its first depth.
@@ -206,39 +273,42 @@ fn resampled(map: &[f64]) -> Grid {
     values.collect()
 }
 
-/// Cover with ice in a month of these temperatures, 0…1; on land that of the nearest sea. Seas with land on all sides are frozen by the land's
-/// climate, as few ships have measured there in winter; their ice is a part of the extent.
-pub fn ice(temperatures: &Grid, climates: &Climates, month: usize) -> Grid {
-    let enclosed = climates.ice(month);
-    let side = |cell: usize| usize::from(latitude(cell / COLUMNS) < 0.0);
-    let is_within = |cell: usize| latitude(cell / COLUMNS).abs() > LEAST_LATITUDE[side(cell)];
-    let sea = |cell: usize| (1.0 - climates.land[cell]) * area(cell);
-    let mut left = EXTENT.map(|extent| extent[month]);
-    let mut open = Vec::new();
-    for cell in (0..temperatures.len()).filter(|cell| is_within(*cell)) {
-        if climates.enclosed[cell] < 0.5 {
-            open.push(cell);
-        } else if enclosed[cell] > COVER_AT_EXTENT {
-            left[side(cell)] -= sea(cell);
+impl Ocean {
+    /// Cover with ice in a month, 0…1; on land that of the nearest sea. Enclosed waters are frozen by the land's climate, as few ships have measured
+    /// there in winter; their ice is a part of the extent.
+    pub fn ice(&self, climates: &Climates, month: usize) -> Grid {
+        let by_land = climates.ice(month);
+        let (temperatures, enclosed) = (&self.temperatures[month], &self.enclosed[month]);
+        let side = |cell: usize| usize::from(latitude(cell / COLUMNS) < 0.0);
+        let is_within = |cell: usize| latitude(cell / COLUMNS).abs() > LEAST_LATITUDE[side(cell)];
+        let sea = |cell: usize| (1.0 - climates.land[cell]) * area(cell);
+        let mut left = EXTENT.map(|extent| extent[month]);
+        let mut open = Vec::new();
+        for cell in (0..temperatures.len()).filter(|cell| is_within(*cell)) {
+            if enclosed[cell] < 0.5 {
+                open.push(cell);
+            } else if by_land[cell] > COVER_AT_EXTENT {
+                left[side(cell)] -= sea(cell);
+            }
         }
+        open.sort_by(|a, b| temperatures[*a].total_cmp(&temperatures[*b]));
+        // The warmest water with ice of each hemisphere.
+        let mut warmest = [f64::NEG_INFINITY; 2];
+        for cell in open {
+            let side = side(cell);
+            if left[side] > 0.0 {
+                left[side] -= sea(cell);
+                warmest[side] = temperatures[cell];
+            }
+        }
+        let cover = (0..temperatures.len()).map(|cell| {
+            if !is_within(cell) {
+                return 0.0;
+            }
+            let colder = warmest[side(cell)] - temperatures[cell];
+            let open = (colder / EDGE + COVER_AT_EXTENT).clamp(0.0, 1.0);
+            open + enclosed[cell] * (by_land[cell] - open)
+        });
+        blurred(&cover.collect(), ICE_EDGE)
     }
-    open.sort_by(|a, b| temperatures[*a].total_cmp(&temperatures[*b]));
-    // The warmest water with ice of each hemisphere.
-    let mut warmest = [f64::NEG_INFINITY; 2];
-    for cell in open {
-        let side = side(cell);
-        if left[side] > 0.0 {
-            left[side] -= sea(cell);
-            warmest[side] = temperatures[cell];
-        }
-    }
-    let cover = (0..temperatures.len()).map(|cell| {
-        if !is_within(cell) {
-            return 0.0;
-        }
-        let colder = warmest[side(cell)] - temperatures[cell];
-        let open = (colder / EDGE + COVER_AT_EXTENT).clamp(0.0, 1.0);
-        open + climates.enclosed[cell] * (enclosed[cell] - open)
-    });
-    cover.collect()
 }
