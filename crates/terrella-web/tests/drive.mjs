@@ -411,9 +411,11 @@ async function viewer(backend) {
   const labels = await tab.evaluate(() => document.querySelector("terrella-earth").earth.labels.map((label) => label.name));
   check(`${backend}: a satellite from a file has its name`, labels.join() === "ISS (ZARYA)", labels.join());
   await shoot(tab, `${backend}-viewer`);
+  await instrumented(backend, tab);
   await tab.locator("#share").click();
   const hash = await tab.evaluate(() => location.hash);
-  check(`${backend}: the link holds the view and the satellite`, hash.includes("altitude=15000000") && hash.includes("25544"));
+  const isWhole = ["altitude=15000000", "25544", "station=52.5", "lines=coasts"].every((part) => hash.includes(part));
+  check(`${backend}: the link holds the view, the satellite, the station and the lines`, isWhole, hash.slice(0, 120));
   await tab.screenshot({ path: path.join(out, `${backend}-page.png`) });
   await loses(backend, tab);
   const left = await tab.evaluate(async () => {
@@ -424,6 +426,30 @@ async function viewer(backend) {
   check(`${backend}: an element that is removed gives its Earth back`, left === null);
   check(`${backend}: the viewer's console is free of errors`, said.length === 0, said.slice(0, 3).join(" | "));
   await browser.close();
+}
+
+/** The viewer's station, passes, time line and lines. */
+async function instrumented(backend, tab) {
+  const station = async (text) => {
+    await tab.locator("#station").fill(text);
+    await tab.locator("#station").press("Enter");
+    return tab.locator("#notice").textContent();
+  };
+  const said = await station("somewhere");
+  check(`${backend}: a station that is none is explained`, said.includes("latitude and longitude"), said);
+  await station("52.5, 13.4");
+  const shadows = await tab.locator("#bands .shadow").count();
+  const passes = tab.locator("#passes button");
+  const listed = await passes.allTextContents();
+  check(`${backend}: the time line has shadows, and the station passes`, shadows >= 15 && listed.length > 0, `${shadows} shadows; ${listed.join(", ")}`);
+  await passes.first().click();
+  const shown = await tab.evaluate(() => document.querySelector("terrella-earth").epoch.toISOString());
+  const [begin, end] = listed[0]?.slice(0, 11).split("–") ?? [];
+  check(`${backend}: a pass is shown at its highest`, shown.slice(11, 16) >= begin && shown.slice(11, 16) <= end, `${shown} in ${listed[0]}`);
+  await tab.locator('#lines input[value="coasts"]').check();
+  await tab.waitForTimeout(1500);
+  const lines = await tab.evaluate(() => document.querySelector("terrella-earth").earth.lines.join());
+  check(`${backend}: lines are switched on`, lines === "coasts", lines);
 }
 
 /** A lost device is reported, and the element starts again with the same view. */
