@@ -9,6 +9,9 @@ const VIEW = ["lat", "lon", "altitude", "heading", "pitch", "fov"];
 const LIVE = [...VIEW, "epoch", "rate", "exposure", "look", "hide", "resolution", "stations", "lines"];
 /** Limit on labels: more would hide the globe. */
 const MAX_LABELS = 50;
+/** Estimated width of a letter of a label, and the height of a line, pixels of the page: a name that would cover another moves a line, or is left out. */
+const LETTER_PX = 7.5;
+const ROW_PX = 15;
 /** What screen readers say of the canvas. */
 const LABEL = "The Earth";
 const LABEL_WITH_CONTROLS = "Globe. Arrow keys turn it, plus and minus approach, shift and arrows tilt, N turns north up.";
@@ -25,6 +28,7 @@ sheet.replaceSync(`
   :host([controls="off"]) canvas { touch-action: auto; cursor: auto; }
   canvas:focus-visible { outline: 2px solid #5cc8ff; outline-offset: -2px; }
   .names { position: absolute; inset: 0; pointer-events: none; font: 13px/1 system-ui, sans-serif; color: #fff; text-shadow: 0 0 3px #000, 0 0 3px #000; }
+  .names span[hidden] { display: none; }
   .names span { position: absolute; left: 0; top: 0; white-space: nowrap; }
   .message { position: absolute; inset: 0; display: grid; place-items: center; padding: 2em; text-align: center; font: 16px/1.5 system-ui, sans-serif; color: #fff; pointer-events: none; }
   .message:empty { display: none; }
@@ -226,10 +230,17 @@ export class TerrellaEarthElement extends HTMLElement {
     while (this.#names.childElementCount < labels.length) this.#names.append(document.createElement("span"));
     while (this.#names.childElementCount > labels.length) this.#names.lastChild.remove();
     const scale = canvas.clientWidth / Math.max(canvas.width, 1);
+    const placed = [];
     labels.forEach((label, i) => {
       const span = this.#names.children[i];
+      const [x, y, width] = [label.x * scale + 9, label.y * scale - 6, LETTER_PX * label.name.length];
+      const isFree = (row) => !placed.some((other) => Math.abs(other.y - (y + row)) < ROW_PX && x < other.x + other.width && other.x < x + width);
+      const row = [0, ROW_PX, -ROW_PX].find(isFree);
+      span.hidden = row === undefined;
+      if (span.hidden) return;
+      placed.push({ x, y: y + row, width });
       span.textContent = label.name;
-      span.style.transform = `translate(${label.x * scale + 9}px, ${label.y * scale - 6}px)`;
+      span.style.transform = `translate(${x}px, ${y + row}px)`;
     });
   }
 }

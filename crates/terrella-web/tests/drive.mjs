@@ -303,6 +303,13 @@ async function instruments(backend, tab) {
     return { label, picked: label && earth.pickStation(label.x + 3, label.y), passes: earth.passes(), shadows: earth.shadows(), lines: earth.lines };
   }, tle);
   const isMiddle = searched.label && Math.hypot(searched.label.x - SIZE.width / 2, searched.label.y - SIZE.height / 2) < 2;
+  const names = await tab.evaluate(() => {
+    const spans = [...document.querySelector("terrella-earth").shadowRoot.querySelectorAll(".names span:not([hidden])")];
+    return spans.map((span) => [span.textContent, span.getBoundingClientRect().toJSON()]);
+  });
+  const isApart = ([, a], [, b]) => a.right <= b.left || b.right <= a.left || a.bottom <= b.top || b.bottom <= a.top;
+  const areApart = names.every((one, i) => names.slice(i + 1).every((other) => isApart(one, other)));
+  check(`${backend}: names cover no others`, names.length === 2 && areApart, JSON.stringify(names.map(([name]) => name)));
   check(`${backend}: a station has its name and is picked`, isMiddle && searched.label.name === "Berlin" && searched.picked?.name === "Berlin", JSON.stringify(searched.label));
   const seconds = ({ begin, end }) => (Date.parse(end) - Date.parse(begin)) / 1000;
   // Above 10°, a pass of the space station takes 400 s at most.
