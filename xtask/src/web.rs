@@ -249,7 +249,7 @@ fn test(dist: &Path, program: Option<PathBuf>, only: &[String]) -> anyhow::Resul
     let mut failed = Vec::new();
     let mut run = |part: &str, is_wanted: bool, test: &dyn Fn() -> anyhow::Result<()>| {
         if is_wanted && let Err(error) = test() {
-            say(&format!("{part}: {error:#}"));
+            say(format!("{part}: {error:#}"));
             failed.push(part.to_owned());
         }
     };
