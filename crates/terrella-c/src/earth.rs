@@ -32,7 +32,9 @@ pub unsafe extern "C" fn terrella_earth_new(
         check_out(earth, "earth")?;
         // SAFETY: the caller's promise.
         let wanted = unsafe { Wanted::read(options) }?;
-        let made = OffscreenEarth::new(wanted.gpu, wanted.options, wanted.size)?;
+        let gpu = OffscreenEarth::open_gpu(wanted.adapter.as_deref())?;
+        let options = wanted.with_shared_maps(&gpu)?;
+        let made = OffscreenEarth::new(gpu, options, wanted.size)?;
         // SAFETY: the caller's promise.
         unsafe { write(earth, "earth", handles::insert(KIND, made)) }
     })

@@ -5,8 +5,8 @@ use crate::pointers::{read, text_if_any, write};
 use std::ffi::c_char;
 use std::path::PathBuf;
 use terrella::{
-    Atmosphere, CityLights, EarthOptions, Exposure, GpuContext, LayerSelection, OffscreenEarth,
-    SurfaceLight, find_textures,
+    Atmosphere, CityLights, EarthLayers, EarthOptions, Exposure, GpuContext, LayerSelection,
+    OffscreenEarth, SurfaceLight, UploadedMaps, find_textures, load_layers,
 };
 
 /// Options of an Earth. Fill them with `terrella_options_default`, then change what you need.
@@ -18,7 +18,7 @@ pub struct TerrellaOptions {
     /// Height of pictures, pixels.
     pub height: u32,
     /// Samples per pixel of displayed pictures, 1 or 4.
-    pub samples: u32,
+    samples: u32,
     /// Folder of maps; null takes that of the environment variable TERRELLA_TEXTURES, else `textures` or `../share/terrella/textures`
     /// beside the program, else that of the source tree that the library was built from.
     pub textures: *const c_char,
@@ -88,15 +88,22 @@ pub unsafe extern "C" fn terrella_options_default(options: *mut TerrellaOptions)
     answer(|| unsafe { write(options, "options", default) })
 }
 
-/// The options in the library's types, and the opened adapter.
+/// The options in the library's types.
 pub(crate) struct Wanted {
     pub size: (u32, u32),
-    pub gpu: GpuContext,
-    pub options: EarthOptions,
+    pub adapter: Option<String>,
+    samples: u32,
+    /// Folder of the maps, and those of them that are drawn.
+    folder: PathBuf,
+    maps: LayerSelection,
+    detail: bool,
+    directional_reflectance: bool,
+    exposure: Exposure,
+    has_air: bool,
 }
 
 impl Wanted {
-    /// Reads options, opens the adapter and reads the maps that they name.
+    /// Reads options.
     ///
     /// # Safety
     /// `options` is null or points to options whose texts end with zero bytes.
@@ -118,32 +125,54 @@ impl Wanted {
             true => Exposure::Auto,
             false => Exposure::Ev(options.exposure_ev),
         };
-        let folder = folder(textures, "options.textures")?;
-        let wanted = LayerSelection {
-            clouds: options.clouds != 0,
-            night_lights: options.night_lights != 0,
-            ..LayerSelection::default()
-        };
-        let gpu = OffscreenEarth::open_gpu(adapter)?;
-        let maps = OffscreenEarth::shared_layers(&gpu, &folder, wanted);
-        let (layers, uploaded) = maps.map_err(Failure::file)?;
-        let mut earth = EarthOptions::new(layers);
-        earth.uploaded = uploaded;
-        earth.light.detail = options.detail != 0;
-        earth.light.directional_reflectance = options.directional_reflectance != 0;
-        if earth.light.detail && wanted.night_lights {
-            earth.city_lights = CityLights::load(folder.as_path()).map_err(Failure::file)?;
-        }
-        earth.samples = options.samples;
-        earth.exposure = exposure;
-        if options.air == 0 {
-            earth.atmosphere = Atmosphere::None;
-        }
         Ok(Self {
             size: (options.width, options.height),
-            gpu,
-            options: earth,
+            adapter: adapter.map(str::to_owned),
+            samples: options.samples,
+            folder: folder(textures, "options.textures")?,
+            maps: LayerSelection {
+                clouds: options.clouds != 0,
+                night_lights: options.night_lights != 0,
+                ..LayerSelection::default()
+            },
+            detail: options.detail != 0,
+            directional_reflectance: options.directional_reflectance != 0,
+            exposure,
+            has_air: options.air != 0,
         })
+    }
+
+    /// The Earth's options with maps on the library's device, which the Earths of a process share.
+    pub fn with_shared_maps(&self, gpu: &GpuContext) -> Result<EarthOptions, Failure> {
+        let maps = OffscreenEarth::shared_layers(gpu, &self.folder, self.maps);
+        let (layers, uploaded) = maps.map_err(Failure::file)?;
+        self.options(layers, uploaded)
+    }
+
+    /// The Earth's options with maps in memory, for a device of the host.
+    pub fn with_maps(&self) -> Result<EarthOptions, Failure> {
+        let layers = load_layers(&self.folder, self.maps).map_err(Failure::file)?;
+        self.options(layers, UploadedMaps::default())
+    }
+
+    fn options(
+        &self,
+        layers: EarthLayers,
+        uploaded: UploadedMaps,
+    ) -> Result<EarthOptions, Failure> {
+        let mut earth = EarthOptions::new(layers);
+        earth.uploaded = uploaded;
+        earth.light.detail = self.detail;
+        earth.light.directional_reflectance = self.directional_reflectance;
+        if self.detail && self.maps.night_lights {
+            earth.city_lights = CityLights::load(self.folder.as_path()).map_err(Failure::file)?;
+        }
+        earth.samples = self.samples;
+        earth.exposure = self.exposure;
+        if !self.has_air {
+            earth.atmosphere = Atmosphere::None;
+        }
+        Ok(earth)
     }
 }
 

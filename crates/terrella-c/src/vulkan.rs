@@ -11,7 +11,7 @@ use ash::vk::{self, Handle};
 use std::ffi::{CStr, c_char, c_void};
 use terrella::Attachments;
 use terrella::wgpu::{self, hal};
-use terrella::{Drawing, Earth, FrameRequest, Sky};
+use terrella::{Drawing, Earth, EarthOptions, FrameRequest, Sky};
 
 /// An Earth on a program's own Vulkan device. An opaque handle. The caller orders calls: no other thread submits to the queue during a
 /// call.
@@ -252,9 +252,9 @@ pub unsafe extern "C" fn terrella_vulkan_earth_new(
             )));
         }
         // SAFETY: the caller's promise.
-        let wanted = unsafe { Wanted::read(options) }?;
+        let options = unsafe { Wanted::read(options) }?.with_maps()?;
         // SAFETY: the same.
-        let made = unsafe { make(host, opened, &needed, wanted, format) }?;
+        let made = unsafe { make(host, opened, &needed, options, format) }?;
         // SAFETY: the same.
         unsafe { write(earth, "earth", handles::insert(KIND, made)) }
     })
@@ -266,7 +266,7 @@ unsafe fn make(
     host: &TerrellaVulkanHost,
     opened: Opened,
     extensions: &[&'static CStr],
-    wanted: Wanted,
+    mut options: EarthOptions,
     format: wgpu::TextureFormat,
 ) -> Result<VulkanEarth, Failure> {
     let Opened {
@@ -304,7 +304,6 @@ unsafe fn make(
     // SAFETY: the open device came from that adapter, with these features and limits.
     let opened = unsafe { adapter.create_device_from_hal(open, &descriptor) };
     let (device, queue) = opened.map_err(Failure::device)?;
-    let mut options = wanted.options;
     options.color_format = format;
     let flags = adapter.get_texture_format_features(format).flags;
     if !flags.sample_count_supported(options.samples) {

@@ -124,7 +124,7 @@ fn difference(a: &RgbImage, b: &RgbImage) -> f64 {
 fn a_camera_sees_what_one_sees_from_there() {
     let seen = asked(0);
     let text = "[time]\nstart = \"2026-03-20T14:46:10Z\"\n[camera]\nmode = \"geodetic\"\nlat_deg = 20\nlon_deg = 15\nheight_km = 12000\n\
-                fov_deg = 35\n[earth]\nnormals = false\nnight_lights = false\n[sky]\nstars = false\n[output]\nsamples = 1\n";
+                fov_deg = 35\n[earth]\nnormals = false\nnight_lights = false\nseasons = false\n[sky]\nstars = false\n[output]\nsamples = 1\n";
     let scene = Scene::from_toml(text, "test.toml".as_ref()).expect("a good scene");
     let flight = Flight::open(scene).expect("opens");
     let gpu = pollster::block_on(terrella::internals::gpu::GpuContext::open(None));
