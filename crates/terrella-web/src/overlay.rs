@@ -71,7 +71,13 @@ impl Overlay {
         let (index, is_new) = pushed?;
         if is_new {
             let count = self.satellites.len();
-            self.tracks = self.made(device, earth, count, &self.stations, self.shown)?;
+            match self.made(device, earth, count, &self.stations, self.shown) {
+                Ok(tracks) => self.tracks = tracks,
+                Err(error) => {
+                    self.satellites.pop();
+                    return Err(error.into());
+                }
+            }
         }
         Ok(index)
     }
