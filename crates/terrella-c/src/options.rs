@@ -18,7 +18,7 @@ pub struct TerrellaOptions {
     /// Height of pictures, pixels.
     pub height: u32,
     /// Samples per pixel of displayed pictures, 1 or 4.
-    samples: u32,
+    pub samples: u32,
     /// Folder of maps; null takes that of the environment variable TERRELLA_TEXTURES, else `textures` or `../share/terrella/textures`
     /// beside the program, else that of the source tree that the library was built from.
     pub textures: *const c_char,
