@@ -7,7 +7,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::SystemTime;
 
 /// What maps are made from. Equal sources give equal maps.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(PartialEq)]
 struct MapSource {
     device: wgpu::Device,
     /// Files with their lengths and times of change; files that cannot be examined have none.

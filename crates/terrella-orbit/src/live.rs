@@ -215,13 +215,11 @@ impl LiveFeed {
         let options = &self.shared.options;
         let newest = inner.buffer.newest()?.epoch;
         let oldest = inner.buffer.oldest()?.epoch;
+        let known = (oldest, later(newest, options.extrapolation_limit_s));
+        let now = self.shared.opened.elapsed();
+        let shown = inner.clock.shown(now, options.playback_delay_s, known);
         // There is no playback in lockstep: the frame that was last requested.
-        let Some(now) = inner.clock.at(self.shared.opened.elapsed()) else {
-            return Some(newest);
-        };
-        let shown = later(now, -options.playback_delay_s * options.rate);
-        let last = later(newest, options.extrapolation_limit_s);
-        Some(shown.max(oldest).min(last))
+        Some(shown.unwrap_or(newest))
     }
 
     /// The next frame that a simulator waits for, lockstep; never waits itself.

@@ -75,7 +75,7 @@ impl Playback {
             self.rate = rate;
             self.clock = PlaybackClock::new(rate);
         }
-        let insertion = match known.and_then(|index| satellites.get_mut(index)) {
+        let added = match known.and_then(|index| satellites.get_mut(index)) {
             Some(Satellite::Pushed(feed)) => feed.push(packet.state),
             _ => {
                 // A fast simulator has its states farther apart.
@@ -85,14 +85,7 @@ impl Playback {
                 Insertion::Newest
             }
         };
-        match insertion {
-            Insertion::Newest | Insertion::Late => self.clock.note(packet.state.epoch, arrival),
-            Insertion::Restart => {
-                self.clock.clear();
-                self.clock.note(packet.state.epoch, arrival);
-            }
-            Insertion::Duplicate | Insertion::TooLate | Insertion::Apart => {}
-        }
+        self.clock.follow(added, packet.state.epoch, arrival);
         Ok((known.unwrap_or(satellites.len() - 1), known.is_none()))
     }
 
@@ -103,10 +96,8 @@ impl Playback {
             Satellite::Pushed(feed) => Some(feed.validity()),
             _ => None,
         });
-        let (first, last) = spans.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
-        let shown =
-            self.clock.at(now)? - terrella::frames::Duration::from_seconds(DELAY_S * self.rate);
-        Some(shown.max(first).min(last))
+        let known = spans.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
+        self.clock.shown(now, DELAY_S, known)
     }
 }
 

@@ -208,20 +208,15 @@ impl SharedFeed {
             Insertion::Apart => counters.apart += 1,
             Insertion::Restart => {
                 counters.restarts += 1;
-                inner.clock.clear();
                 inner.last_seq = None;
             }
         }
-        if !matches!(
-            taken,
-            Insertion::Newest | Insertion::Late | Insertion::Restart
-        ) {
+        let since_opening = now.saturating_duration_since(self.opened);
+        if !inner.clock.follow(taken, state.epoch, since_opening) {
             return;
         }
         counters.taken += 1;
         inner.last_came = Some(now);
-        let since_opening = now.saturating_duration_since(self.opened);
-        inner.clock.note(state.epoch, since_opening);
         let Some(seq) = seq else { return };
         match inner.last_seq {
             Some(last) if seq > last => {

@@ -1,6 +1,6 @@
 //! Playback time of images in broadcast.
 
-use super::buffer::{later, nanoseconds};
+use super::buffer::{Insertion, later, nanoseconds};
 use std::time::Duration;
 use terrella_frames::Epoch;
 
@@ -35,12 +35,12 @@ impl PlaybackClock {
     }
 
     /// Forgets all arrivals: the simulator has jumped.
-    pub fn clear(&mut self) {
+    fn clear(&mut self) {
         *self = Self::new(self.rate);
     }
 
     /// Takes note of the arrival of a state. Arrivals are counted from any fixed instant.
-    pub fn note(&mut self, epoch: Epoch, arrival: Duration) {
+    fn note(&mut self, epoch: Epoch, arrival: Duration) {
         let (first, origin) = *self.origin.get_or_insert((epoch, arrival));
         let wall_s = arrival.saturating_sub(origin).as_secs_f64();
         let ahead_s = nanoseconds(first, epoch) as f64 * 1e-9 - self.rate * wall_s;
@@ -54,8 +54,31 @@ impl PlaybackClock {
         }
     }
 
+    /// Follows a state that was added with this result: it takes note of its arrival, or begins again after a jump. Returns whether the state was taken.
+    pub fn follow(&mut self, added: Insertion, epoch: Epoch, arrival: Duration) -> bool {
+        match added {
+            Insertion::Newest | Insertion::Late => {}
+            Insertion::Restart => self.clear(),
+            Insertion::Duplicate | Insertion::TooLate | Insertion::Apart => return false,
+        }
+        self.note(epoch, arrival);
+        true
+    }
+
+    /// The instant to show: so many seconds of the wall behind the simulator, and between the first and the last at which its motion is known. `None`
+    /// before the first arrival.
+    pub fn shown(
+        &self,
+        now: Duration,
+        delay_s: f64,
+        (first, last): (Epoch, Epoch),
+    ) -> Option<Epoch> {
+        let shown = later(self.at(now)?, -delay_s * self.rate);
+        Some(shown.max(first).min(last))
+    }
+
     /// The simulated instant at a time counted as arrivals are; `None` before the first arrival.
-    pub fn at(&self, now: Duration) -> Option<Epoch> {
+    fn at(&self, now: Duration) -> Option<Epoch> {
         let (first, origin) = self.origin?;
         let wall_s = now.saturating_sub(origin).as_secs_f64();
         let bins = self.bins.iter().flatten();
