@@ -148,26 +148,29 @@ impl Years {
 impl Climates {
     /// Cover with snow in the middle of a month, 0…1. Off the coast it is that of the coast.
     pub fn snow(&self, month: usize) -> Grid {
-        let cells = 0..self.land.len();
-        let cover = cells.map(|cell| {
-            let [low, high] = [&self.years[0], &self.years[1]].map(|years| {
-                let temperature = years.temperature(cell, month, 0.0);
-                share([FIRST_SNOW, ALL_WHITE], temperature) * years.lying[cell]
-            });
-            (low + self.highlands[cell] * (high - low)).max(self.frost[cell])
+        let mut cover = self.mixed(|years, cell| {
+            let temperature = years.temperature(cell, month, 0.0);
+            share([FIRST_SNOW, ALL_WHITE], temperature) * years.lying[cell]
         });
-        cover.collect()
+        for (cover, frost) in cover.iter_mut().zip(&self.frost) {
+            *cover = cover.max(*frost);
+        }
+        cover
     }
 
     /// Cover with ice of enclosed waters in the middle of a month, 0…1.
     pub fn ice(&self, month: usize) -> Grid {
-        let cells = 0..self.land.len();
-        let cover = cells.map(|cell| {
-            let [low, high] = [&self.years[0], &self.years[1]]
-                .map(|years| share(FREEZING, years.temperature(cell, month, ICE_LAG_DAYS)));
-            low + self.highlands[cell] * (high - low)
+        self.mixed(|years, cell| share(FREEZING, years.temperature(cell, month, ICE_LAG_DAYS)))
+    }
+
+    /// Values of the lowlands and of the highlands, by the fraction of these in each cell.
+    fn mixed(&self, value: impl Fn(&Years, usize) -> f64) -> Grid {
+        let cells = self.highlands.iter().enumerate();
+        let values = cells.map(|(cell, highlands)| {
+            let [low, high] = [&self.years[0], &self.years[1]].map(|years| value(years, cell));
+            low + highlands * (high - low)
         });
-        cover.collect()
+        values.collect()
     }
 }
 
