@@ -18,7 +18,7 @@
 //! | `metering.rs` | exposure |
 //! | `stats.rs` | statistics of a frame |
 //! | `ground.rs` | terrain; `no_ground.rs` without the feature `terrain` |
-//! | `tiles.rs` | which tiles of a pack a frame requests and draws; `no_tiles.rs` without the feature `packs` |
+//! | `tiles.rs` | which tiles of a pack a frame requests and draws; `no_tiles.rs` without the feature `tiles` |
 //! | `tile_rule.rs` | the required level of a map |
 //! | `tile_parts.rs` | which parts of blocks a frame requests |
 //! | `tile_view.rs` | the inputs of tile selection, and the resulting detail |
@@ -54,12 +54,12 @@ mod quality_ladder;
 mod sky;
 mod stats;
 mod surface_config;
-#[cfg(feature = "packs")]
+#[cfg(feature = "tiles")]
 mod tile_parts;
-#[cfg(feature = "packs")]
+#[cfg(feature = "tiles")]
 mod tile_rule;
 mod tile_view;
-#[cfg_attr(not(feature = "packs"), path = "earth/no_tiles.rs")]
+#[cfg_attr(not(feature = "tiles"), path = "earth/no_tiles.rs")]
 mod tiles;
 mod truth;
 mod view;
@@ -97,6 +97,8 @@ use terrella_files::clock::Instant;
 pub use terrella_ground::globe::Shading;
 use terrella_ground::globe::{BlockSet, Figure};
 use terrella_imagery::NeighbourhoodAlbedo;
+#[cfg(feature = "tiles")]
+use terrella_imagery::stream::TileLoad;
 use terrella_imagery::tile::TileKey;
 use tiles::TileDriver;
 pub use tiles::TileOptions;
@@ -463,6 +465,18 @@ impl Earth {
     pub fn is_settled(&self) -> bool {
         let has_tiles = self.tiles.as_ref().is_none_or(TileDriver::is_settled);
         self.first.is_settled() && self.uploaded_tiles == 0 && has_tiles
+    }
+
+    /// With [`TileLoading::Host`](terrella_imagery::stream::TileLoading::Host): the most urgent tile for the host to load, as of the last
+    /// [`Self::prepare`]. `None` if there is nothing to load now.
+    #[cfg(feature = "tiles")]
+    pub fn take_tile(&self) -> Option<TileLoad> {
+        self.tiles.as_ref()?.take()
+    }
+
+    /// Tiles that the last frame of all views should have been drawn with, but was not: they are loading, or could not be read.
+    pub fn missing_tiles(&self) -> impl Iterator<Item = TileKey> + '_ {
+        self.tiles.iter().flat_map(TileDriver::missing)
     }
 
     /// Whether blocks are drawn with tiles.

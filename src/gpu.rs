@@ -82,7 +82,7 @@ pub use pipeline::PipelineDescription;
 pub use read_back::PictureError;
 #[cfg(feature = "celestial")]
 pub(crate) use shader::GLARE_RADIUS_RAD;
-#[cfg(feature = "packs")]
+#[cfg(feature = "tiles")]
 pub(crate) use shader::GLINT_ENDS_SIN;
 pub(crate) use shader::LAMPS_FULL_SIN;
 #[cfg(feature = "tracks")]

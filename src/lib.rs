@@ -92,7 +92,7 @@
 //!
 //! A host pays only for what it draws. By default this crate is the Earth and its air from the starter maps (`maps`), as whole maps in memory, on
 //! all backends of wgpu. `packs`, `terrain`, `tracks`, `celestial` and `offscreen` add the parts of these names, and `serde` reads and writes
-//! [`SurfaceLight`]. Without `terrain`, [`GroundOptions`] has no value, and without `packs`, [`TileOptions`] has none; the compiler drops all code
+//! [`SurfaceLight`]. Without `terrain`, [`GroundOptions`] has no value, and without `tiles`, [`TileOptions`] has none; the compiler drops all code
 //! that would use one. With `default-features = false` the host chooses wgpu's backends, by the features `vulkan`, `gles`, `metal` and `dx12`, in a
 //! web page `webgpu` and `webgl`, or by its own dependency on wgpu, which is re-exported as [`wgpu`].
 
@@ -177,6 +177,8 @@ pub use terrella_ground::light::{
 };
 #[cfg(all(feature = "packs", feature = "terrain"))]
 pub use terrella_imagery::pack::PackHeights;
+#[cfg(feature = "tiles")]
+pub use terrella_imagery::stream::{HostedTiles, TileLoad, TileLoading};
 pub use terrella_imagery::{
     CityLights, DetailTileError, EarthLayers, ImageryError, LayerImage, LayerSelection, MapBands,
     MapFolder, MapRows, MapSink, PLACES_FILE, Season, TexelFormat, find_textures, load_layers,

@@ -1,4 +1,4 @@
-//! Replaces `tiles.rs` if the feature `packs` is off: types without a value, so that no code for tiles is compiled in.
+//! Replaces `tiles.rs` if the feature `tiles` is off: types without a value, so that no code for tiles is compiled in.
 
 use super::quality::Quality;
 use super::tile_view::{TileDetail, TileView};
@@ -10,7 +10,7 @@ use terrella_imagery::EarthLayers;
 use terrella_imagery::residency::{Pool, StreamCounters, Upload};
 use terrella_imagery::tile::TileKey;
 
-/// How tiles are selected, loaded and held. Without the feature `packs` this type has no value.
+/// How tiles are selected, loaded and held. Without the feature `tiles` this type has no value.
 #[derive(Clone, Debug)]
 pub enum TileOptions {}
 

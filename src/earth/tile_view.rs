@@ -5,7 +5,7 @@ use terrella_imagery::tile::MAX_LEVELS;
 
 /// Inputs of a frame's tile selection besides the blocks.
 #[derive(Clone, Copy, Debug)]
-#[cfg_attr(not(feature = "packs"), allow(dead_code))]
+#[cfg_attr(not(feature = "tiles"), allow(dead_code))]
 pub(super) struct TileView {
     pub eye_itrf_m: DVec3,
     pub sun_itrf: DVec3,

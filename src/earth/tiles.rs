@@ -20,7 +20,7 @@ use terrella_ground::globe::{
 use terrella_ground::height::HeightRange;
 use terrella_imagery::EarthLayers;
 use terrella_imagery::residency::{PartTable, Pool, StreamCounters, Upload};
-use terrella_imagery::stream::{StreamOptions, TileRequest, TileStream};
+use terrella_imagery::stream::{StreamOptions, TileLoad, TileLoading, TileRequest, TileStream};
 use terrella_imagery::tile::{LayerLayout, MAP_LAYERS, MAX_LEVELS, MapLayer, TileKey, TileSource};
 
 /// Limit of expected views.
@@ -66,8 +66,8 @@ pub struct TileOptions {
     pub texture_bytes: u64,
     /// Bytes of tiles that one [`super::Earth::prepare`] may upload.
     pub upload_bytes: u64,
-    /// Number of decoder threads; `None` chooses it from the machine's.
-    pub threads: Option<usize>,
+    /// Who loads tiles; threads by default.
+    pub loading: TileLoading,
 }
 
 impl TileOptions {
@@ -79,7 +79,7 @@ impl TileOptions {
             max_texel_px: 1.0,
             texture_bytes: 512_000_000,
             upload_bytes: 4_000_000,
-            threads: None,
+            loading: TileLoading::Threads(None),
         }
     }
 
@@ -105,7 +105,7 @@ impl fmt::Debug for TileOptions {
             .field("max_texel_px", &self.max_texel_px)
             .field("texture_bytes", &self.texture_bytes)
             .field("upload_bytes", &self.upload_bytes)
-            .field("threads", &self.threads)
+            .field("loading", &self.loading)
             .finish()
     }
 }
@@ -186,13 +186,11 @@ impl TileDriver {
             }
             ladders[tiled.layer.index()] = Ladder::new(tiled);
         }
-        let mut stream = StreamOptions {
+        let stream = StreamOptions {
             texture_bytes: options.texture_bytes.saturating_sub(layers.texture_bytes()),
+            loading: options.loading,
             ..StreamOptions::default()
         };
-        if let Some(threads) = options.threads {
-            stream.threads = threads.max(1);
-        }
         Ok(Self {
             stream: TileStream::new(options.source.clone(), &stream),
             rule: TileRule {
@@ -349,6 +347,11 @@ impl TileDriver {
     pub fn upload(&mut self, budget: Option<u64>, write: &mut dyn FnMut(Upload<'_>)) -> u64 {
         self.stream
             .upload(budget.unwrap_or(self.upload_bytes), write)
+    }
+
+    /// The most urgent tile for the host to load.
+    pub fn take(&self) -> Option<TileLoad> {
+        self.stream.take()
     }
 
     /// Counters of the tile stream.

@@ -130,6 +130,7 @@ impl Loaders {
             *lock(&running.count) += 1;
             let thread = thread::Builder::new().name(format!("terrella {what} {worker}"));
             let thread = thread.spawn(move || {
+                #[cfg(not(target_family = "wasm"))]
                 lower_priority();
                 work(worker);
                 own.leave();
@@ -155,6 +156,10 @@ impl Loaders {
 
     /// Waits for threads that were requested to stop, and detaches those that do not.
     pub fn join(&mut self) {
+        // A web page has none, and no clock to wait by.
+        if self.is_empty() {
+            return;
+        }
         let count = lock(&self.running.count);
         let waited = self
             .running
@@ -183,6 +188,7 @@ impl Running {
 }
 
 /// Between the lowest priority, 0, and the highest, 99: on Linux a niceness of about 10.
+#[cfg(not(target_family = "wasm"))]
 fn lower_priority() {
     use thread_priority::{ThreadPriority, ThreadPriorityValue};
     const PRIORITY: u8 = 25;

@@ -60,7 +60,7 @@ mod sea;
 mod season;
 pub mod slopes;
 pub mod srgb;
-#[cfg(feature = "packs")]
+#[cfg(feature = "tiles")]
 pub mod stream;
 mod summary;
 mod texel;

@@ -5,6 +5,7 @@
 //! | `pools.rs` | the budget of texture memory, split into pools of slots |
 //! | `cache/` | requested, loaded, resident and drawn tiles: a state machine without threads or a clock |
 //! | `loader.rs` | decoder threads and their shared state with the frame |
+//! | `hosted.rs` | loads that the host does itself |
 //!
 //! # A tile's way
 //!
@@ -28,6 +29,7 @@
 //! their place, finer or coarser, is therefore released as soon as its slot is needed.
 
 mod cache;
+mod hosted;
 mod loader;
 mod pools;
 
@@ -35,6 +37,7 @@ pub use super::residency::{
     PartCell, PartTable, PartTables, Pool, ResidentTile, StreamCounters, TileSlot, Upload,
 };
 pub use cache::{LoadError, LoadId, PendingLoad, TileCache};
+pub use hosted::{HostedTiles, TileLoad};
 pub use pools::plan_pools;
 
 use super::tile::{MapLayer, TileKey, TileSource};
@@ -44,6 +47,16 @@ use std::time::Duration;
 use terrella_files::clock::Instant;
 use terrella_ground::globe::Part;
 
+/// Who loads tiles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TileLoading {
+    /// Decoder threads, 1…16; `None` is 1 on a machine of one or two cores, else half of the cores and at most 4.
+    Threads(Option<usize>),
+    /// The host, so many tiles at once: where there are no threads or tiles come by requests, as in a web page. It takes them from
+    /// [`TileStream::take`]; [`TileSource::read`] is not called.
+    Host(usize),
+}
+
 /// Resources of a [`TileStream`]. Fixed at creation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StreamOptions {
@@ -52,17 +65,16 @@ pub struct StreamOptions {
     /// Memory of tiles that are being decoded or wait for upload, bytes; one tile is always allowed. 64 MiB by default. More keeps the threads busy
     /// when many tiles are requested at the same time, less keeps the process small.
     pub decoded_bytes: u64,
-    /// Decoder threads, 1…16. By default 1 on a machine of one or two cores, else half of the cores and at most 4.
-    pub threads: usize,
+    /// By default threads, as many as the machine suggests.
+    pub loading: TileLoading,
 }
 
 impl Default for StreamOptions {
     fn default() -> Self {
-        let cores = std::thread::available_parallelism().map_or(1, usize::from);
         Self {
             texture_bytes: 512 << 20,
             decoded_bytes: 64 << 20,
-            threads: if cores <= 2 { 1 } else { (cores / 2).min(4) },
+            loading: TileLoading::Threads(None),
         }
     }
 }
@@ -92,13 +104,19 @@ impl TileStream {
     pub fn new(source: Arc<dyn TileSource>, options: &StreamOptions) -> Self {
         let pools = plan_pools(source.layers(), options.texture_bytes);
         let cache = TileCache::new(source.layers(), pools, options.decoded_bytes);
-        let loader = Loader::new(source, options.decoded_bytes, options.threads.clamp(1, 16));
+        let loader = Loader::new(source, options.decoded_bytes, options.loading);
         Self {
             cache,
             loader,
             now: Instant::now(),
             warnings: Warnings::default(),
         }
+    }
+
+    /// With [`TileLoading::Host`]: the most urgent tile for the host to load. `None` if none is requested, if as many as allowed are under way, or if
+    /// decoded tiles fill their memory. [`Self::update`] passes on what is requested.
+    pub fn take(&self) -> Option<TileLoad> {
+        TileLoad::begin(self.loader.reads())
     }
 
     /// The pools, fixed from the start.

@@ -486,6 +486,13 @@ pub enum TileError {
         /// The decoder's error.
         cause: String,
     },
+    /// The file did not come from its server.
+    #[error("{address}: {cause}; check the address and the connection")]
+    NotReceived {
+        address: String,
+        /// What the request ended with.
+        cause: String,
+    },
     /// No longer wanted.
     #[error("no longer wanted")]
     Cancelled,

@@ -42,7 +42,7 @@ pub const LAMPS_OUT_SIN: f64 = 0.0;
 /// Sine of the Sun's elevation below which all city lights are on: −6°, the end of civil twilight.
 pub(crate) const LAMPS_FULL_SIN: f64 = -0.104_528_463;
 /// Sine of the Sun's elevation below which the sea has no sunglint.
-#[cfg(feature = "packs")]
+#[cfg(feature = "tiles")]
 pub(crate) const GLINT_ENDS_SIN: f64 = -0.01;
 
 /// Colour of city lights.

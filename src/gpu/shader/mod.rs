@@ -62,7 +62,7 @@ pub(super) use variant::ShaderModule;
 
 #[cfg(feature = "celestial")]
 pub(crate) use constants::GLARE_RADIUS_RAD;
-#[cfg(feature = "packs")]
+#[cfg(feature = "tiles")]
 pub(crate) use constants::GLINT_ENDS_SIN;
 pub(crate) use constants::LAMPS_FULL_SIN;
 #[cfg(feature = "tracks")]

@@ -4,6 +4,7 @@
 //! tile that it should hold; `threads.rs` does the same in short with real threads.
 
 mod host;
+mod hosted;
 mod paths;
 mod rules;
 mod source;

@@ -5,7 +5,9 @@ use std::collections::{HashMap, HashSet};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
-use terrella_imagery::stream::{ResidentTile, StreamOptions, TileRequest, TileSlot, TileStream};
+use terrella_imagery::stream::{
+    ResidentTile, StreamOptions, TileLoading, TileRequest, TileSlot, TileStream,
+};
 use terrella_imagery::tile::{
     LayerLayout, MapLayer, Storage, Tile, TileError, TileKey, TileSource,
 };
@@ -70,7 +72,7 @@ fn options() -> StreamOptions {
     StreamOptions {
         texture_bytes: 100_000,
         decoded_bytes: 20_000,
-        threads: 3,
+        loading: TileLoading::Threads(Some(3)),
     }
 }
 
@@ -255,7 +257,7 @@ fn decoded_tiles_are_bounded() {
     let options = StreamOptions {
         texture_bytes: u64::MAX,
         decoded_bytes: 3 * bytes,
-        threads: 2,
+        loading: TileLoading::Threads(Some(2)),
     };
     let mut stream = TileStream::new(source.clone(), &options);
     let requests: Vec<_> = (0..40).map(day).collect();

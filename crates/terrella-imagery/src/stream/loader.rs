@@ -1,11 +1,12 @@
-//! Decoder threads, and their shared state with the frame.
+//! Who loads tiles, decoder threads or the host, and their shared state with the frame.
 //!
 //! The frame only tries to lock the mutex: if a low-priority thread was suspended while it held the lock, the frame continues and tries again the
 //! next time.
 
+use super::TileLoading;
 use super::cache::{LoadError, LoadId, TileCache, check};
 use super::pools::usable;
-use crate::tile::{LayerLayout, Tile, TileFormat, TileKey, TileShape, TileSource};
+use crate::tile::{LayerLayout, Tile, TileError, TileFormat, TileKey, TileShape, TileSource};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -23,12 +24,12 @@ pub(super) struct Loader {
     finished: Vec<(TileKey, Result<Tile, LoadError>)>,
 }
 
-struct TileReads {
+pub(super) struct TileReads {
     source: Arc<dyn TileSource>,
     layers: Vec<LayerLayout>,
     limit_bytes: u64,
     queue: LoadQueue<Work>,
-    /// For each thread the number of the load that it must cancel; 0 is none.
+    /// For each thread or load of the host the number of the load that it must cancel; 0 is none.
     cancelled: Vec<AtomicU64>,
 }
 
@@ -46,6 +47,8 @@ struct Work {
     reserved_bytes: u64,
     /// Number of loads taken so far.
     loads: u64,
+    /// Places among `cancelled` for loads of the host, without those under way.
+    idle: Vec<usize>,
 }
 
 /// Next action of a thread.
@@ -56,15 +59,24 @@ enum Next {
 }
 
 impl Loader {
-    /// Starts the threads.
-    pub fn new(source: Arc<dyn TileSource>, limit_bytes: u64, threads: usize) -> Self {
+    /// Starts the threads, if threads load.
+    pub fn new(source: Arc<dyn TileSource>, limit_bytes: u64, loading: TileLoading) -> Self {
+        let (threads, at_once) = match loading {
+            TileLoading::Threads(threads) => {
+                (threads.unwrap_or_else(usual_threads).clamp(1, 16), 0)
+            }
+            TileLoading::Host(at_once) => (0, at_once.max(1)),
+        };
         let layers = usable(source.layers()).into_iter().cloned().collect();
         let reads = Arc::new(TileReads {
             source,
             layers,
             limit_bytes,
-            queue: LoadQueue::new(Work::default()),
-            cancelled: (0..threads).map(|_| AtomicU64::new(0)).collect(),
+            queue: LoadQueue::new(Work {
+                idle: (0..at_once).rev().collect(),
+                ..Work::default()
+            }),
+            cancelled: (0..threads + at_once).map(|_| AtomicU64::new(0)).collect(),
         });
         let own = Arc::clone(&reads);
         let threads = Loaders::start("tiles", threads, move |worker| {
@@ -77,6 +89,11 @@ impl Loader {
             started: Vec::new(),
             finished: Vec::new(),
         }
+    }
+
+    /// The shared state, for loads of the host.
+    pub fn reads(&self) -> &Arc<TileReads> {
+        &self.reads
     }
 
     /// Bytes of tiles under way or waiting, when last looked.
@@ -196,16 +213,47 @@ impl TileReads {
                     self.queue.lock().reserved_bytes -= bytes;
                 }
                 Next::Load(key, number) => {
-                    let result = self.load(key, worker, number);
-                    self.queue.end(|work| {
-                        if result.is_err() {
-                            work.reserved_bytes -= self.bytes(key);
-                        }
-                        work.finished.push((key, result));
-                    });
+                    let result = self.load(key, LoadId { worker, number });
+                    self.queue.end(|work| self.finish(work, key, result));
                 }
             }
         }
+    }
+
+    fn finish(&self, work: &mut Work, key: TileKey, result: Result<Tile, LoadError>) {
+        if result.is_err() {
+            work.reserved_bytes -= self.bytes(key);
+        }
+        work.finished.push((key, result));
+    }
+
+    /// Begins a load of the host: the most urgent one.
+    pub fn begin(&self) -> Option<(TileKey, LoadId)> {
+        let work = &mut *self.queue.lock();
+        loop {
+            let worker = *work.idle.last()?;
+            match self.next(work, worker)? {
+                Next::Free(tile) => work.reserved_bytes -= tile.texels.len() as u64,
+                Next::Load(key, number) => {
+                    work.idle.pop();
+                    return Some((key, LoadId { worker, number }));
+                }
+            }
+        }
+    }
+
+    /// Ends a load of the host.
+    pub fn end(&self, key: TileKey, id: LoadId, result: Result<Tile, TileError>) {
+        let result = self.checked(key, result);
+        self.queue.end(|work| {
+            work.idle.push(id.worker);
+            self.finish(work, key, result);
+        });
+    }
+
+    pub fn is_cancelled(&self, id: LoadId) -> bool {
+        let cancelled = &self.cancelled[id.worker];
+        self.queue.is_stopped() || cancelled.load(Ordering::Relaxed) == id.number
     }
 
     fn next(&self, work: &mut Work, worker: usize) -> Option<Next> {
@@ -226,20 +274,29 @@ impl TileReads {
         Some(Next::Load(key, number))
     }
 
-    fn load(&self, key: TileKey, worker: usize, number: u64) -> Result<Tile, LoadError> {
-        let is_cancelled =
-            || self.queue.is_stopped() || self.cancelled[worker].load(Ordering::Relaxed) == number;
+    fn load(&self, key: TileKey, id: LoadId) -> Result<Tile, LoadError> {
+        let is_cancelled = || self.is_cancelled(id);
         // A source that panics half-way may be left in disorder; what it gives is checked each time.
         let read = catch_unwind(AssertUnwindSafe(|| self.source.read(key, &is_cancelled)));
-        let tile = match read {
-            Ok(tile) => tile?,
-            Err(panic) => return Err(LoadError::Panicked(panic_text(panic.as_ref()))),
-        };
+        match read {
+            Ok(read) => self.checked(key, read),
+            Err(panic) => Err(LoadError::Panicked(panic_text(panic.as_ref()))),
+        }
+    }
+
+    fn checked(&self, key: TileKey, read: Result<Tile, TileError>) -> Result<Tile, LoadError> {
+        let tile = read?;
         match self.expected(key) {
             Some((format, shape)) => check(tile, format, shape),
             None => Ok(tile),
         }
     }
+}
+
+/// Decoder threads by default.
+fn usual_threads() -> usize {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    if cores <= 2 { 1 } else { (cores / 2).min(4) }
 }
 
 fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
@@ -252,7 +309,7 @@ fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
 mod tests {
     use super::*;
     use crate::stream::{TileRequest, plan_pools};
-    use crate::tile::{BlockSet, LevelLayout, MapLayer, TileError};
+    use crate::tile::{BlockSet, LevelLayout, MapLayer};
     use std::sync::atomic::AtomicBool;
 
     /// Waits in each read until it may go on.
@@ -283,7 +340,11 @@ mod tests {
         }];
         let mut cache = TileCache::new(&layers, plan_pools(&layers, u64::MAX), u64::MAX);
         let source = Arc::new(Gate(layers, AtomicBool::new(false)));
-        let mut loader = Loader::new(Arc::clone(&source) as Arc<dyn TileSource>, u64::MAX, 1);
+        let mut loader = Loader::new(
+            Arc::clone(&source) as Arc<dyn TileSource>,
+            u64::MAX,
+            TileLoading::Threads(Some(1)),
+        );
         let key = |block| TileKey {
             layer: MapLayer::Day,
             level: 0,
