@@ -111,6 +111,7 @@
 //! | `open.rs` | a pack's folder |
 //! | `heights/` | elevation data: format, index and tiles |
 //! | `tiles.rs` | a pack as a source of tiles, each checked before it is used |
+//! | `zstandard.rs` | compression, in C or in Rust |
 //! | `decode.rs` | decompression of BC texels |
 //! | `coarsest.rs` | the coarsest level as whole maps |
 //! | `verify.rs` | every tile checked |
@@ -126,8 +127,9 @@ mod manifest;
 mod open;
 mod tiles;
 mod verify;
+mod zstandard;
 
-pub use coarsest::inner_texels;
+pub use coarsest::{CoarsestMap, inner_texels};
 pub use container::{MAX_OVERHEAD_BYTES, read_ktx2, write_ktx2};
 pub use decode::decode_tile;
 pub use error::{MAX_MANIFEST_BYTES, MAX_MANIFEST_VALUES, ManifestPlace, PackError};

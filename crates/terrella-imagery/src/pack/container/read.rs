@@ -2,8 +2,8 @@
 
 use super::descriptor::{PLANE_SIZES, descriptor, vulkan_format};
 use super::{MAX_OVERHEAD_BYTES, SCHEME_ZSTD};
+use crate::pack::zstandard::decompress;
 use crate::tile::{TILE_MIPS, Tile, TileFormat, TileShape};
-use terrella_files::printable;
 
 /// Reads the tile of a KTX2 file, which must have this format and shape.
 ///
@@ -32,18 +32,11 @@ pub fn read_ktx2(bytes: &[u8], format: TileFormat, shape: TileShape) -> Result<T
     let levels = levels(bytes, format, shape)?;
 
     let mut texels = vec![0; shape.bytes(format)];
-    let mut decompressor = zstd::bulk::Decompressor::new().map_err(|error| error.to_string())?;
     let mut rest = texels.as_mut_slice();
     for (mip, level) in (0..).zip(levels) {
         let (image, following) = rest.split_at_mut(format.image_bytes(shape.mip_side(mip)));
-        let damaged = |cause: String| format!("mip level {mip} cannot be decompressed: {cause}");
-        let count = decompressor
-            .decompress_to_buffer(level, image)
-            .map_err(|error| damaged(printable(&error.to_string())))?;
-        if count != image.len() {
-            let needed = image.len();
-            return Err(damaged(format!("it has {count} bytes instead of {needed}")));
-        }
+        decompress(level, image)
+            .map_err(|cause| format!("mip level {mip} cannot be decompressed: {cause}"))?;
         rest = following;
     }
     Ok(Tile {

@@ -2,6 +2,7 @@
 
 use super::SCHEME_ZSTD;
 use super::descriptor::{descriptor, vulkan_format};
+use crate::pack::zstandard::compress;
 use crate::tile::{TILE_MIPS, Tile};
 
 /// Compression level of texels. Higher levels take several times as long for a few per cent; reading is equally fast for all of them.
@@ -24,7 +25,9 @@ pub fn write_ktx2(tile: &Tile) -> Vec<u8> {
         tile.shape.bytes(tile.format),
         "a tile has the texels of its shape"
     );
-    let levels = compress(tile).expect("only lack of memory fails: parameters and buffers fit");
+    let levels = (0..TILE_MIPS).map(|mip| compress(tile.mip(mip), ZSTD_LEVEL));
+    let levels = levels.collect::<std::io::Result<Vec<_>>>();
+    let levels = levels.expect("only lack of memory fails: parameters and buffers fit");
     let descriptor = descriptor(tile.format);
     let key_values = key_values();
 
@@ -77,15 +80,6 @@ pub fn write_ktx2(tile: &Tile) -> Vec<u8> {
         file.extend_from_slice(level);
     }
     file
-}
-
-/// Each mip level as a Zstandard frame, with its length in front and a checksum behind.
-fn compress(tile: &Tile) -> std::io::Result<Vec<Vec<u8>>> {
-    let mut compressor = zstd::bulk::Compressor::new(ZSTD_LEVEL)?;
-    compressor.include_checksum(true)?;
-    (0..TILE_MIPS)
-        .map(|mip| compressor.compress(tile.mip(mip)))
-        .collect()
 }
 
 fn key_values() -> Vec<u8> {

@@ -1,7 +1,7 @@
 //! The samples of a tile as bytes: differences from predictions by their neighbours, compressed.
 
 use super::{HeightKind, HeightsEntry};
-use terrella_files::printable;
+use crate::pack::zstandard::{compress, decompress};
 
 /// Zstandard's level: a third smaller than its usual one, decompressed as fast.
 const ZSTD_LEVEL: i32 = 12;
@@ -53,9 +53,7 @@ pub fn encode_heights(values: &HeightValues, row_samples: usize) -> std::io::Res
             planes(&folded, 4)
         }
     };
-    let mut compressor = zstd::bulk::Compressor::new(ZSTD_LEVEL)?;
-    compressor.include_checksum(true)?;
-    compressor.compress(&bytes)
+    compress(&bytes, ZSTD_LEVEL)
 }
 
 /// Decodes a tile's file, which is not trusted: exactly the bytes of the tile are allocated, and no more is decompressed than fits.
@@ -72,14 +70,7 @@ pub fn decode_heights(bytes: &[u8], entry: &HeightsEntry) -> Result<HeightValues
     }
     let (count, row) = (entry.tile_samples(), entry.row_samples());
     let mut raw = vec![0; count * entry.kind.bytes()];
-    let damaged = |cause: String| format!("it cannot be decompressed: {cause}");
-    let found = zstd::bulk::Decompressor::new()
-        .and_then(|mut decompressor| decompressor.decompress_to_buffer(bytes, &mut raw[..]))
-        .map_err(|error| damaged(printable(&error.to_string())))?;
-    if found != raw.len() {
-        let needed = raw.len();
-        return Err(damaged(format!("it has {found} bytes instead of {needed}")));
-    }
+    decompress(bytes, &mut raw).map_err(|cause| format!("it cannot be decompressed: {cause}"))?;
     match entry.kind {
         HeightKind::I16 { .. } => {
             let codes = restored(&raw, count, row, 2);
