@@ -2,9 +2,13 @@
 
 use super::fixture::{Fixture, key, tile, write};
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use terrella_ground::globe::Block;
-use terrella_imagery::pack::{MAX_OVERHEAD_BYTES, PackError, PackTiles, TileFile, decode_tile};
+use terrella_imagery::pack::{
+    CoarsestMap, MANIFEST_FILE, MAX_OVERHEAD_BYTES, Pack, PackError, PackTiles, TileFile,
+    decode_tile,
+};
 use terrella_imagery::tile::{MapLayer, Storage, Tile, TileError, TileKey, TileSet, TileSource};
 
 fn never() -> bool {
@@ -44,6 +48,67 @@ fn every_tile_is_read_as_it_was_written() {
             }
         }
     }
+}
+
+/// As a web page does, which has no files.
+#[test]
+fn a_host_reads_the_files_itself() {
+    let fixture = Fixture::shared();
+    let bytes = std::fs::read(fixture.dir().join(MANIFEST_FILE)).expect("a manifest");
+    let address = Path::new("https://tiles.example/earth");
+    let pack = Arc::new(Pack::from_manifest(address, bytes).expect("good"));
+    for (storage, decode) in [
+        (Storage::Plain, false),
+        (Storage::Bc, false),
+        (Storage::Bc, true),
+    ] {
+        let of_host = PackTiles::new(pack.clone(), storage, decode, &MapLayer::ALL).expect("good");
+        let of_disk =
+            PackTiles::new(fixture.open(), storage, decode, &MapLayer::ALL).expect("good");
+        assert_eq!(of_host.layers(), of_disk.layers());
+        for layout in of_disk.layers() {
+            for level in 0..layout.levels.len() as u8 {
+                let key = key(layout.layer, level, 77);
+                let (path, length) = of_host.file(key).expect("there");
+                let inside = path.strip_prefix(address).expect("below the address");
+                let bytes = std::fs::read(fixture.dir().join(inside)).expect("a file");
+                assert_eq!(bytes.len() as u64, length);
+                let tile = of_host.tile_of(key, &bytes).expect("good");
+                assert_eq!(tile, of_disk.read(key, &never).expect("good"));
+                for (bad, must_say) in [
+                    (&bytes[1..], "bytes instead of"),
+                    (&[&bytes[..], &[0]].concat(), "is longer than"),
+                    (&[&[bytes[0] ^ 1], &bytes[1..]].concat(), "its checksum"),
+                ] {
+                    let cause = corrupt(of_host.tile_of(key, bad), &path);
+                    assert!(cause.contains(must_say), "{cause}");
+                }
+            }
+            let (maps, _) = of_disk.coarsest_maps().expect("good");
+            let mut map = CoarsestMap::new(layout);
+            let level = layout.levels.len() as u8 - 1;
+            for block in Block::all() {
+                let block = block.index() as u8;
+                let tile = of_disk.read(key(layout.layer, level, block), &never);
+                map.add(block, tile.expect("good"));
+            }
+            assert_eq!(Some(&map.finish().expect("levels")), maps.get(layout.layer));
+        }
+    }
+    let absent = key(MapLayer::Day, 9, 0);
+    assert!(
+        matches!(fixture_tiles(&pack).file(absent), Err(TileError::Absent(key)) if key == absent)
+    );
+    let error = Pack::from_manifest(address, b"format = 1\n".to_vec()).expect_err("no pack");
+    let words = error.to_string();
+    assert!(
+        words.starts_with("https://tiles.example/earth/pack.toml: columns: is missing"),
+        "{words}"
+    );
+}
+
+fn fixture_tiles(pack: &Arc<Pack>) -> PackTiles {
+    PackTiles::new(pack.clone(), Storage::Plain, false, &[]).expect("good")
 }
 
 /// Blocks of equal texels decode to just these; at every mip level, though sides are no multiples of four.

@@ -35,10 +35,7 @@ impl PackTiles {
     /// A block for which no uncut level can be read.
     pub fn coarsest_maps(&self) -> Result<(EarthLayers, Vec<TileError>), PackError> {
         let layouts = self.layers();
-        let mut maps: Vec<Vec<u8>> = layouts
-            .iter()
-            .map(|layout| vec![0; map_bytes(layout)])
-            .collect();
+        let mut maps: Vec<_> = layouts.iter().map(CoarsestMap::new).collect();
         let mut errors = Vec::new();
         let next = AtomicUsize::new(0);
         let jobs = layouts.len() * BLOCK_COUNT as usize;
@@ -59,12 +56,7 @@ impl PackTiles {
             drop(sender);
             for read in receiver {
                 let read = read?;
-                paste(
-                    &mut maps[read.place],
-                    &layouts[read.place],
-                    read.block,
-                    &read.texels,
-                );
+                maps[read.place].paste(read.block, &read.texels);
                 let place = (read.place, read.block);
                 errors.extend(read.errors.into_iter().map(|error| (place, error)));
             }
@@ -121,25 +113,20 @@ impl PackTiles {
     }
 
     /// Maps from their texels, mip levels and all, on a thread for the day map and one for the others.
-    fn whole_maps(&self, maps: Vec<Vec<u8>>) -> Result<EarthLayers, PackError> {
-        let mut maps = self.layers().iter().zip(maps);
-        let image = |(layout, texels): (&LayerLayout, Vec<u8>)| {
-            let map = layout.levels.last().map(|level| level.shape);
-            let (width, height) = map.map_or((0, 0), |map| (map.map_width(), map.map_height()));
-            let image = match layout.format.decoded() {
-                TileFormat::Rgba8Srgb => LayerImage::from_rgba8(width, height, texels),
-                TileFormat::Rg8Snorm => LayerImage::from_slopes(width, height, texels),
-                _ => LayerImage::from_r8(width, height, texels),
-            };
-            image.map_err(|source| self.no_map(layout.layer, source))
+    fn whole_maps(&self, maps: Vec<CoarsestMap>) -> Result<EarthLayers, PackError> {
+        let mut maps = maps.into_iter();
+        let image = |map: CoarsestMap| {
+            let layer = map.layout.layer;
+            map.finish().map_err(|source| self.no_map(layer, source))
         };
         // The day map is always there and the first.
         let day = maps.next();
         let (day, others) = std::thread::scope(|scope| {
             let others = scope.spawn(|| {
                 let mut images: [Option<LayerImage>; MAP_LAYERS] = Default::default();
-                for (layout, texels) in maps {
-                    images[layout.layer.index()] = Some(image((layout, texels))?);
+                for map in maps {
+                    let place = map.layout.layer.index();
+                    images[place] = Some(image(map)?);
                 }
                 Ok(images)
             });
@@ -172,6 +159,55 @@ impl PackTiles {
     }
 }
 
+/// A whole map of a pack's coarsest level, assembled from its tiles.
+pub struct CoarsestMap {
+    layout: LayerLayout,
+    texels: Vec<u8>,
+}
+
+impl CoarsestMap {
+    /// Of no texels yet.
+    pub fn new(layout: &LayerLayout) -> Self {
+        Self {
+            layout: layout.clone(),
+            texels: vec![0; map_bytes(layout)],
+        }
+    }
+
+    /// Adds a block from its tile, compressed or not, at the coarsest level, or at a finer uncut one, which is averaged down.
+    pub fn add(&mut self, block: u8, tile: Tile) {
+        let pixels = coarsest_pixels(&self.layout);
+        self.paste(block, &inner_texels(&decode_tile(tile), pixels));
+    }
+
+    /// Copies a block's texels to their place.
+    fn paste(&mut self, block: u8, texels: &[u8]) {
+        let layout = &self.layout;
+        let pixels = coarsest_pixels(layout) as usize;
+        let row_bytes = pixels * texel_bytes(layout.format);
+        let Block { column, row } = TileKey::whole(layout.layer, 0, block).block();
+        let first_row = row as usize * pixels;
+        for (y, texels) in texels.chunks_exact(row_bytes).enumerate() {
+            let start = ((first_row + y) * COLUMNS as usize + column as usize) * row_bytes;
+            self.texels[start..start + row_bytes].copy_from_slice(texels);
+        }
+    }
+
+    /// The map with its mip levels.
+    ///
+    /// # Errors
+    /// A layout without levels.
+    pub fn finish(self) -> Result<LayerImage, ImageryError> {
+        let map = self.layout.levels.last().map(|level| level.shape);
+        let (width, height) = map.map_or((0, 0), |map| (map.map_width(), map.map_height()));
+        match self.layout.format.decoded() {
+            TileFormat::Rgba8Srgb => LayerImage::from_rgba8(width, height, self.texels),
+            TileFormat::Rg8Snorm => LayerImage::from_slopes(width, height, self.texels),
+            _ => LayerImage::from_r8(width, height, self.texels),
+        }
+    }
+}
+
 /// Texels of a block's side at a map's coarsest level.
 fn coarsest_pixels(layout: &LayerLayout) -> u32 {
     layout.levels.last().map_or(0, |level| level.shape.pixels)
@@ -185,24 +221,6 @@ fn map_bytes(layout: &LayerLayout) -> usize {
 
 fn texel_bytes(format: TileFormat) -> usize {
     format.decoded().unit_bytes() as usize
-}
-
-/// Copies a block's texels to their place on the whole map.
-fn paste(map: &mut [u8], layout: &LayerLayout, block: u8, texels: &[u8]) {
-    let row_bytes = coarsest_pixels(layout) as usize * texel_bytes(layout.format);
-    let Block { column, row } = TileKey {
-        layer: layout.layer,
-        level: 0,
-        block,
-        part: 0,
-    }
-    .block();
-    let pixels = coarsest_pixels(layout) as usize;
-    let first_row = row as usize * pixels;
-    for (y, texels) in texels.chunks_exact(row_bytes).enumerate() {
-        let start = ((first_row + y) * COLUMNS as usize + column as usize) * row_bytes;
-        map[start..start + row_bytes].copy_from_slice(texels);
-    }
 }
 
 /// The block's own texels of a plain tile, `pixels` a side: averaged down by area where the tile has more.

@@ -65,19 +65,33 @@ pub(super) fn read_whole(
         .take(file.bytes + 1)
         .read_to_end(&mut bytes)
         .map_err(unreadable)?;
-    let expected = file.bytes;
-    if bytes.len() as u64 > expected {
-        return Err(corrupt(format!("it is longer than {expected} bytes")));
-    }
-    if (bytes.len() as u64) < expected {
-        let found = bytes.len();
-        return Err(corrupt(format!(
-            "it has {found} bytes instead of {expected}"
-        )));
-    }
+    check_length(&bytes, file).map_err(corrupt)?;
     unless(cancelled)?;
-    if TileFile::of(&bytes) != file {
-        return Err(corrupt("its checksum does not match the manifest".into()));
-    }
+    check_sum(&bytes, file).map_err(corrupt)?;
     Ok(bytes)
+}
+
+/// The error of a file's bytes that do not match the manifest.
+pub(super) fn check(bytes: &[u8], file: TileFile) -> Result<(), String> {
+    check_length(bytes, file)?;
+    check_sum(bytes, file)
+}
+
+fn check_length(bytes: &[u8], file: TileFile) -> Result<(), String> {
+    let (found, expected) = (bytes.len() as u64, file.bytes);
+    if found > expected {
+        return Err(format!("it is longer than {expected} bytes"));
+    }
+    if found < expected {
+        return Err(format!("it has {found} bytes instead of {expected}"));
+    }
+    Ok(())
+}
+
+fn check_sum(bytes: &[u8], file: TileFile) -> Result<(), String> {
+    if TileFile::of(bytes) == file {
+        Ok(())
+    } else {
+        Err("its checksum does not match the manifest".into())
+    }
 }

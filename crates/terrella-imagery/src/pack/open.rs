@@ -53,6 +53,22 @@ impl Pack {
         })
     }
 
+    /// The pack of a manifest's bytes, for a host that reads the files itself, as a web page does. `dir` is the folder or the address, for messages.
+    ///
+    /// # Errors
+    /// Bytes that are too many or no text, and whatever [`Manifest::from_toml`] rejects.
+    pub fn from_manifest(dir: &Path, bytes: Vec<u8>) -> Result<Self, PackError> {
+        let path = dir.join(MANIFEST_FILE);
+        if bytes.len() as u64 > MAX_MANIFEST_BYTES {
+            return Err(PackError::TooLarge { path });
+        }
+        let text = text_of(&path, bytes)?;
+        Ok(Self {
+            dir: dir.into(),
+            manifest: Manifest::from_toml(&text, &path)?,
+        })
+    }
+
     /// Its folder.
     pub fn dir(&self) -> &Path {
         &self.dir
@@ -94,7 +110,10 @@ fn read_text(path: &Path) -> Result<String, PackError> {
     };
     let too_large = || PackError::TooLarge { path: path.into() };
     let bytes = files::read(path, MAX_MANIFEST_BYTES).map_err(unreadable)?;
-    let bytes = bytes.ok_or_else(too_large)?;
+    text_of(path, bytes.ok_or_else(too_large)?)
+}
+
+fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String, PackError> {
     String::from_utf8(bytes).map_err(|error| {
         let good = error
             .as_bytes()

@@ -3,13 +3,13 @@
 use super::container::read_ktx2;
 use super::decode::decode_tile;
 use super::error::PackError;
-use super::file::{TileFile, read_whole, unless};
+use super::file::{TileFile, check, read_whole, unless};
 use super::open::Pack;
 use crate::tile::{
     LayerLayout, LevelLayout, MapLayer, Storage, Tile, TileError, TileFormat, TileKey, TileSet,
     TileShape, TileSource,
 };
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The tiles of some maps of a pack, in one of its storages.
@@ -94,21 +94,38 @@ impl PackTiles {
         key: TileKey,
         cancelled: &dyn Fn() -> bool,
     ) -> Result<Tile, TileError> {
-        let listed = self.layouts.iter().any(|layout| layout.layer == key.layer);
-        let manifest = self.pack.manifest();
-        let (shape, file) = listed
-            .then(|| manifest.tile(self.storage, key))
-            .flatten()
-            .ok_or(TileError::Absent(key))?;
+        let (path, file, shape) = self.place(key)?;
+        let format = key.layer.tile_format(self.storage);
+        read_tile(&path, file, format, shape, cancelled)
+    }
+
+    /// Path and length of a tile's file, for a host that reads it itself.
+    ///
+    /// # Errors
+    /// [`TileError::Absent`].
+    pub fn file(&self, key: TileKey) -> Result<(PathBuf, u64), TileError> {
+        let (path, file, _) = self.place(key)?;
+        Ok((path, file.bytes))
+    }
+
+    /// A tile from the bytes of its file, as [`TileSource::read`] gives it.
+    ///
+    /// # Errors
+    /// [`TileError::Absent`], or bytes that do not match the manifest.
+    pub fn tile_of(&self, key: TileKey, bytes: &[u8]) -> Result<Tile, TileError> {
+        let (path, file, shape) = self.place(key)?;
+        let format = key.layer.tile_format(self.storage);
+        let read = check(bytes, file).and_then(|()| read_ktx2(bytes, format, shape));
+        let tile = read.map_err(|cause| TileError::Corrupt { path, cause })?;
+        Ok(if self.decode { decode_tile(tile) } else { tile })
+    }
+
+    fn place(&self, key: TileKey) -> Result<(PathBuf, TileFile, TileShape), TileError> {
+        let is_listed = self.layouts.iter().any(|layout| layout.layer == key.layer);
+        let tile = self.pack.manifest().tile(self.storage, key);
+        let (shape, file) = tile.filter(|_| is_listed).ok_or(TileError::Absent(key))?;
         let path = self.pack.tile_path(self.storage, key);
-        let path = path.ok_or(TileError::Absent(key))?;
-        read_tile(
-            &path,
-            file,
-            key.layer.tile_format(self.storage),
-            shape,
-            cancelled,
-        )
+        Ok((path.ok_or(TileError::Absent(key))?, file, shape))
     }
 }
 
