@@ -166,6 +166,12 @@ impl EarthOptions {
         Ok(())
     }
 
+    /// Replaces maps by others that are on the GPU: `layers` describes them without their texels.
+    pub fn replace_uploaded(&mut self, layers: EarthLayers, maps: UploadedMaps) {
+        self.layers.replace(layers);
+        self.uploaded.add(maps);
+    }
+
     /// The map's contribution to the light of the air.
     pub(crate) fn map_albedo(&self, layer: MapLayer) -> Option<MapAlbedo> {
         let image = self.layers.get(layer)?;

@@ -186,6 +186,26 @@ impl EarthLayers {
         }
     }
 
+    /// Replaces the maps that `others` has.
+    pub fn replace(&mut self, others: Self) {
+        let Self {
+            day,
+            clouds,
+            normals,
+            night_lights,
+            water,
+        } = others;
+        self.day = day;
+        for (own, other) in [
+            (&mut self.clouds, clouds),
+            (&mut self.normals, normals),
+            (&mut self.night_lights, night_lights),
+            (&mut self.water, water),
+        ] {
+            *own = other.or(own.take());
+        }
+    }
+
     /// The same layers with each map changed.
     pub fn mapped(&self, change: impl Fn(&LayerImage) -> LayerImage) -> Self {
         let changed = |map: &Option<LayerImage>| map.as_ref().map(&change);
