@@ -1,5 +1,6 @@
-// Files of the page: fetched, counted, compiled.
+// Files of the page: counted, compiled.
 
+import { fetched, loaded, readBytes, retried } from "./fetching.js";
 import { AIR, BACKENDS, DETAIL_TILE, LINES } from "./files.js";
 
 /** The only map that must be there. */
@@ -9,49 +10,6 @@ const DAY = "day.jpg";
 const compiled = new Map();
 /** Backends whose tables were supplied. */
 const supplied = new Map();
-
-/** Waits before further attempts, milliseconds. */
-const RETRY_DELAYS_MS = [500, 2000];
-const HTTP_MISSING = 404;
-/** Too many requests. */
-const HTTP_BUSY = 429;
-
-/** A failure that a later attempt may not have: a lost connection, a busy server. */
-class TransientError extends Error {}
-
-/** The result of the first attempt that succeeds. Transient failures are tried again. */
-async function retried(signal, attempt) {
-  for (const delay of RETRY_DELAYS_MS) {
-    try {
-      return await attempt();
-    } catch (error) {
-      if (!(error instanceof TransientError)) throw error;
-    }
-    await new Promise((resolve) => setTimeout(resolve, delay));
-    signal?.throwIfAborted();
-  }
-  return attempt();
-}
-
-/** Waits for a part of an answer. Its error names the file and the remedy. */
-function received(what, source, signal, part) {
-  return part.catch((cause) => {
-    if (signal?.aborted) throw cause;
-    if (cause instanceof WebAssembly.CompileError) throw new Error(`${what} from ${source} is not WebAssembly: ${cause.message}. Check the address.`);
-    throw new TransientError(`${what} could not be loaded from ${source}: ${cause.message}. Check the address and the connection.`);
-  });
-}
-
-async function fetched(what, source, signal, isOptional = false) {
-  const response = await received(what, source, signal, fetch(source, { signal }));
-  if (response.ok || (isOptional && response.status === HTTP_MISSING)) return response;
-  const isTransient = response.status >= 500 || response.status === HTTP_BUSY;
-  const message = `${what} could not be loaded: ${source} answered ${response.status}. Check the address.`;
-  throw isTransient ? new TransientError(message) : new Error(message);
-}
-
-/** A file that must be there, as `read` makes it from the answer. */
-const loaded = (what, source, read) => retried(undefined, async () => received(what, source, undefined, read(await fetched(what, source))));
 
 /** The bytes of a map, as given or fetched; `undefined` if an optional map is missing. */
 async function mapBytes(name, source, signal, count) {
@@ -64,31 +22,7 @@ async function mapBytes(name, source, signal, count) {
 async function fetchedMap(name, source, signal, count) {
   const what = `The map ${name}`;
   const response = await fetched(what, source, signal, name !== DAY);
-  if (!response.ok) return undefined;
-  const chunks = [];
-  let length = 0;
-  const reader = response.body.getReader();
-  const announced = Number(response.headers.get("content-length")) || 0;
-  count(0, announced);
-  const next = () => received(what, source, signal, reader.read());
-  try {
-    for (let part = await next(); !part.done; part = await next()) {
-      chunks.push(part.value);
-      length += part.value.length;
-      count(part.value.length, 0);
-    }
-  } catch (error) {
-    // Another attempt counts from the start.
-    count(-length, -announced);
-    throw error;
-  }
-  const bytes = new Uint8Array(length);
-  let at = 0;
-  for (const chunk of chunks) {
-    bytes.set(chunk, at);
-    at += chunk.length;
-  }
-  return bytes;
+  return response.ok ? readBytes(what, source, signal, response, { count }) : undefined;
 }
 
 /** Addresses or bytes of maps by name. `maps` is the URL of a folder, or such an object itself. */
