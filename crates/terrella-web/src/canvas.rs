@@ -111,6 +111,7 @@ impl Canvas {
         let (device, queue) = adapter
             .request_device(&wgpu::DeviceDescriptor {
                 label: Some("terrella"),
+                required_features: adapter.features() & wgpu::Features::TEXTURE_COMPRESSION_BC,
                 required_limits: limits.using_resolution(adapter.limits()),
                 ..Default::default()
             })

@@ -1,6 +1,7 @@
 //! The classes that `earth.js` wraps.
 
 mod marks;
+mod pack;
 
 use crate::canvas::{Canvas, LOST};
 use crate::compact::restore;
@@ -9,6 +10,8 @@ use crate::maps::Incoming;
 use crate::overlay::Overlay;
 use crate::thrown;
 use glam::{DVec2, DVec3};
+use pack::PageTiles;
+pub use pack::{PackOpening, PreparedEarth};
 use std::sync::Arc;
 use terrella::celestial::{Celestial, CelestialMoment, CelestialOptions, StarCatalogue};
 use terrella::frames::Orientation;
@@ -120,7 +123,9 @@ impl Opening {
         });
         Ok(Globe {
             canvas,
+            options,
             earth,
+            tiles: PageTiles::default(),
             celestial,
             incoming: None,
             eye: eye.ok_or_else(|| thrown("the first view is not finite"))?,
@@ -135,7 +140,10 @@ impl Opening {
 #[wasm_bindgen]
 pub struct Globe {
     canvas: Canvas,
+    /// Those of an Earth of the page's own maps, without a pack.
+    options: EarthOptions,
     earth: Earth,
+    tiles: PageTiles,
     celestial: Celestial,
     /// Finer maps that are coming.
     incoming: Option<Incoming>,
@@ -178,10 +186,12 @@ impl Globe {
         let Some(incoming) = self.incoming.take() else {
             return Ok(());
         };
-        let (_, maps) = incoming.finish().map_err(thrown)?;
+        let (layers, maps) = incoming.finish().map_err(thrown)?;
         self.earth
             .set_maps(&self.canvas.queue, &maps)
-            .map_err(thrown)
+            .map_err(thrown)?;
+        self.options.replace_uploaded(layers, maps);
+        Ok(())
     }
 
     /// The backend and the adapter as text.
@@ -323,7 +333,9 @@ impl Globe {
         } else {
             Exposure::Ev(ev)
         };
-        self.earth.set_exposure(exposure).map_err(thrown)
+        self.earth.set_exposure(exposure).map_err(thrown)?;
+        self.options.exposure = exposure;
+        Ok(())
     }
 
     /// Latitude and longitude of the ground under a pixel, degrees; none beside the globe.
@@ -367,7 +379,8 @@ impl Globe {
         self.eye.north_up(self.canvas.size());
     }
 
-    /// Draws the frame of an instant, milliseconds since 1970 (UTC). Answers whether it is whole: curves of satellites grow over some frames.
+    /// Draws the frame of an instant, milliseconds since 1970 (UTC). Answers whether it is whole: curves of satellites grow over some frames, and
+    /// tiles that have come are drawn in the next one.
     ///
     /// # Errors
     /// A canvas that gives no frame.
@@ -377,8 +390,9 @@ impl Globe {
         let view = self.eye.eye_view(size);
         let (queue, orientation) = (&self.canvas.queue, Orientation::default());
         let sky = Sky::at(epoch);
-        self.earth
-            .prepare(queue, FrameRequest::new(&view, &sky, size));
+        let frame = FrameRequest::new(&view, &sky, size);
+        let stats = self.earth.prepare(queue, frame);
+        let has_new_tiles = self.tiles.note_uploads(&stats.tiles);
         self.celestial.prepare(
             queue,
             &self.earth,
@@ -397,7 +411,7 @@ impl Globe {
             view: &view,
             target: size.into(),
         };
-        self.is_complete = self.overlay.prepare(queue, &moment, &sky);
+        self.is_complete = self.overlay.prepare(queue, &moment, &sky) && !has_new_tiles;
         let (earth, celestial, overlay) = (&self.earth, &self.celestial, &self.overlay);
         let has_sky = self.has_sky;
         let drawn = self.canvas.draw(|pass| {

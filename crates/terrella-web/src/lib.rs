@@ -27,9 +27,11 @@ mod pose;
 mod pushed;
 #[cfg_attr(not(target_family = "wasm"), allow(dead_code))]
 mod satellites;
+#[allow(dead_code)]
+mod tile_layout;
 
 #[cfg(target_family = "wasm")]
-pub use globe::{Globe, Opening};
+pub use globe::{Globe, Opening, PackOpening, PreparedEarth};
 #[cfg(target_family = "wasm")]
 pub use maps::decode_maps;
 
