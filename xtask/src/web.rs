@@ -2,6 +2,7 @@
 
 mod data;
 mod npm;
+mod packs;
 mod parts;
 mod peers;
 mod serve;
@@ -21,6 +22,8 @@ use toolchain::Toolchain;
 
 /// The backends of pages, each with its own wasm file.
 const BACKENDS: [&str; 2] = ["webgpu", "webgl"];
+/// The reader of packs, a wasm file of its own: its name and its crate.
+const PACKS: (&str, &str) = ("packs", "terrella-web-pack");
 /// The starter maps that a page uses.
 const MAPS: [&str; 7] = [
     "day.jpg",
@@ -33,18 +36,19 @@ const MAPS: [&str; 7] = [
 ];
 
 /// Files that a page loads, one of each kind.
-const NEEDED: [&str; 5] = [
+const NEEDED: [&str; 6] = [
     "terrella/terrella.js",
     "terrella/earth.js",
     "terrella/webgpu_bg.wasm",
     "terrella/webgl_bg.wasm",
+    "terrella/packs_bg.wasm",
     "terrella/data/air.bin",
 ];
 /// Parts of the test that one browser program runs, which compares with native pictures.
 const PICTURES: [&str; 4] = ["webgpu", "webgl", "viewer", "none"];
 /// All parts of the test.
-const PARTS: [&str; 7] = [
-    "webgpu", "webgl", "viewer", "none", "servers", "bundlers", "examples",
+const PARTS: [&str; 8] = [
+    "webgpu", "webgl", "viewer", "none", "servers", "packs", "bundlers", "examples",
 ];
 
 #[derive(Args)]
@@ -137,24 +141,32 @@ fn check() -> anyhow::Result<()> {
             return Ok(());
         }
     };
-    for backend in BACKENDS {
-        process::run(&mut compile(&toolchain, "check", backend))?;
+    for part in wasm_parts() {
+        process::run(&mut compile(&toolchain, "check", part))?;
     }
     Ok(())
 }
 
-/// A cargo command for the crate with one backend. Each backend has its own build folder, because features change the build.
-fn compile(toolchain: &Toolchain, what: &str, backend: &str) -> Command {
+/// Names of the wasm files.
+fn wasm_parts() -> impl Iterator<Item = &'static str> {
+    BACKENDS.into_iter().chain([PACKS.0])
+}
+
+/// A cargo command for a wasm file. Each has its own build folder, because features change the build.
+fn compile(toolchain: &Toolchain, what: &str, part: &str) -> Command {
     let mut command = toolchain.cargo(what);
     command.current_dir(package());
     command.args(["--release", "--locked", "--no-default-features"]);
-    command.args(["--features", backend, "--target-dir"]);
-    command.arg(target(backend));
+    match part == PACKS.0 {
+        true => command.args(["--package", PACKS.1]),
+        false => command.args(["--features", part]),
+    };
+    command.arg("--target-dir").arg(target(part));
     command
 }
 
-fn target(backend: &str) -> PathBuf {
-    repository_root().join("target/web").join(backend)
+fn target(part: &str) -> PathBuf {
+    repository_root().join("target/web").join(part)
 }
 
 /// Builds the pages, or checks that a folder has them.
@@ -181,11 +193,18 @@ fn build(dist: &Path) -> anyhow::Result<()> {
     let bindgen = toolchain::bindgen(&package())?;
     let module = dist.join("terrella");
     fs::create_dir_all(&module).with_context(|| module.display().to_string())?;
-    for backend in BACKENDS {
-        process::run(&mut compile(&toolchain, "build", backend))?;
-        let wasm = target(backend).join("wasm32-unknown-unknown/release/terrella_web.wasm");
+    for part in wasm_parts() {
+        process::run(&mut compile(&toolchain, "build", part))?;
+        let package = match part == PACKS.0 {
+            true => PACKS.1,
+            false => "terrella-web",
+        };
+        let file = format!("{}.wasm", package.replace('-', "_"));
+        let wasm = target(part)
+            .join("wasm32-unknown-unknown/release")
+            .join(file);
         let mut bind = Command::new(&bindgen);
-        bind.args(["--target", "web", "--no-typescript", "--out-name", backend]);
+        bind.args(["--target", "web", "--no-typescript", "--out-name", part]);
         bind.args(["--remove-name-section", "--remove-producers-section"]);
         process::run(bind.arg("--out-dir").arg(&module).arg(wasm))?;
     }
@@ -198,8 +217,8 @@ fn build(dist: &Path) -> anyhow::Result<()> {
         &repository_root().join(data::TABLES),
         &module.join("data/air.bin"),
     )?;
-    for backend in BACKENDS {
-        let file = module.join(format!("{backend}_bg.wasm"));
+    for part in wasm_parts() {
+        let file = module.join(format!("{part}_bg.wasm"));
         let bytes = fs::metadata(&file).map_or(0, |found| found.len());
         say(format_args!("{}: {bytes} bytes", file.display()));
     }
@@ -260,6 +279,10 @@ fn test(dist: &Path, program: Option<PathBuf>, only: &[String]) -> anyhow::Resul
     run("servers", is_wanted("servers"), &|| {
         parts::servers(dist, &tests, &web.join("servers"))
     });
+    run("packs", is_wanted("packs"), &|| {
+        let program = native_program(program.as_deref())?;
+        packs::run(dist, &tests, &program, &web.join("packs"))
+    });
     run("examples", is_wanted("examples"), &|| {
         parts::examples(dist, &tests, &web.join("pictures"))
     });
@@ -279,12 +302,7 @@ fn compare(dist: &Path, program: Option<&Path>, only: &str) -> anyhow::Result<()
         copy_whole(&tests.join(page), &dist.join(page), false)?;
     }
     let native = root.join("target/web/native");
-    let program = match program {
-        Some(program) => program.to_owned(),
-        None => cargo::build(&["build", "--package", "terrella-cli"])?
-            .terrella
-            .context("cargo built no program")?,
-    };
+    let program = native_program(program)?;
     let maps = dist.join("terrella/maps");
     draw_natively(&program, &tests.join("views.json"), &maps, &native)?;
     let tools = npm::installed(&[npm::PLAYWRIGHT])?;
@@ -293,6 +311,16 @@ fn compare(dist: &Path, program: Option<&Path>, only: &str) -> anyhow::Result<()
     node.arg(tests.join("drive.mjs")).arg(server.address());
     node.arg(&native).arg(root.join("target/web/pictures"));
     process::run(node.env("ONLY", only).current_dir(&tools))
+}
+
+/// The program that draws native pictures: as given, or built.
+fn native_program(program: Option<&Path>) -> anyhow::Result<PathBuf> {
+    match program {
+        Some(program) => Ok(program.to_owned()),
+        None => cargo::build(&["build", "--package", "terrella-cli"])?
+            .terrella
+            .context("cargo built no program"),
+    }
 }
 
 /// Draws each view of the list with the native program and the page's maps.

@@ -1,6 +1,6 @@
 // The page's side of the worker that decodes maps.
 
-import { newWorker } from "./files.js";
+import { BACKENDS, newWorker } from "./files.js";
 
 export class Decoder {
   #worker;
@@ -11,7 +11,7 @@ export class Decoder {
   /** Starts a worker with a compiled wasm module. */
   constructor(backend, wasm) {
     this.#backend = backend;
-    this.#worker = newWorker(backend);
+    this.#worker = newWorker(BACKENDS[backend].worker, `worker-${backend}.js`);
     this.#worker.postMessage({ wasm });
   }
 

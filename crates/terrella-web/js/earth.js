@@ -4,6 +4,7 @@ import { Controls } from "./controls.js";
 import { Decoder } from "./decoder.js";
 import { BACKENDS, MAPS, PREVIEW_MAPS } from "./files.js";
 import { loadBackend, loadLines, loadMaps, mapSources } from "./load.js";
+import { ShownPack } from "./pack.js";
 import { chosenWords, labelObjects, LINES, MAPPED_LINES, passObjects, spanObjects, stationNumbers, wholeStations } from "./marks.js";
 
 /** Interval between checks for device faults while nothing is drawn, milliseconds. */
@@ -90,6 +91,12 @@ export class TerrellaEarth extends EventTarget {
   #lines = [];
   /** Settles when coast lines and borders are there. */
   #vectorMap = null;
+  #pack = new ShownPack({
+    globe: () => this.#globe,
+    ready: () => this.complete,
+    invalidate: () => this.invalidate(),
+    send: (type, detail) => this.dispatchEvent(new CustomEvent(type, { detail })),
+  });
   /** Settles when the whole maps are drawn. */
   complete = Promise.resolve();
 
@@ -143,6 +150,7 @@ export class TerrellaEarth extends EventTarget {
     earth.complete = preview ? earth.#refine(whole, season, signal, progress) : Promise.resolve(progress(1, "complete"));
     // An event reports its failure too.
     earth.complete.catch(() => {});
+    if (options.pack) earth.pack = options.pack;
     earth.invalidate();
     return earth;
   }
@@ -288,6 +296,26 @@ export class TerrellaEarth extends EventTarget {
   /** Names of the drawn satellites. */
   get satellites() {
     return [...this.#names];
+  }
+
+  /** Address of the imagery pack; null without one. */
+  get pack() {
+    return this.#pack.address;
+  }
+
+  set pack(address) {
+    // An event reports its failure too.
+    this.setPack(address).catch(() => {});
+  }
+
+  /** Draws the tiles of an imagery pack, once its coarsest maps are there; none without an address. Returns its name and attribution. */
+  setPack(address) {
+    return this.#pack.show(address);
+  }
+
+  /** Whether the last frame was drawn with all tiles that it needs. */
+  get isSharp() {
+    return this.#alive.isSharp();
   }
 
   /** Draws the satellites of two-line elements or an OMM; only the one of `name`, if given. An empty text removes them. */
@@ -477,6 +505,7 @@ export class TerrellaEarth extends EventTarget {
     } catch (error) {
       this.#fail(error);
     }
+    this.#pack.follow();
     this.dispatchEvent(new CustomEvent("frame", { detail: { epoch: new Date(ms) } }));
     // Pushed states reach only so far.
     const moves = this.#isLive ? ms !== this.#drawnLive : this.#rate !== 0;
@@ -499,6 +528,7 @@ export class TerrellaEarth extends EventTarget {
     if (!this.#globe) return;
     this.#decoder?.end();
     this.#decoder = null;
+    this.#pack.end();
     this.#controls?.detach();
     clearInterval(this.#faultTimer);
     cancelAnimationFrame(this.#request);

@@ -41,14 +41,20 @@ export const BACKENDS = {
   },
 };
 
-/** A worker that decodes maps with the module of a backend. */
-export function newWorker(backend) {
+/** The wasm file and the worker that read packs. */
+export const PACKS = {
+  wasm: new URL("./packs_bg.wasm", import.meta.url),
+  worker: () => new Worker(new URL("./worker-pack.js", import.meta.url), { type: "module" }),
+};
+
+/** Starts a worker, which is the file of this name. */
+export function newWorker(start, file) {
   try {
-    return BACKENDS[backend].worker();
+    return start();
   } catch {
     // Browsers start no worker from another origin, such as that of a file network, but a worker may import from there. The address is derived
     // from that of another file, because a bundler would copy a worker that is named a second time as it is.
-    const script = `import ${JSON.stringify(new URL(`../worker-${backend}.js`, AIR).href)};`;
+    const script = `import ${JSON.stringify(new URL(`../${file}`, AIR).href)};`;
     const address = URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
     const worker = new Worker(address, { type: "module" });
     URL.revokeObjectURL(address);

@@ -42,6 +42,8 @@ export interface Options {
   epoch?: Date | number | string;
   /** Whether snow and sea ice are those of the date; by default they are. Otherwise they are those of the day map. */
   seasons?: boolean;
+  /** Address of the folder of an imagery pack, drawn after the maps have come. */
+  pack?: string | URL;
   /** Ends the loading. */
   signal?: AbortSignal;
   /** How much is loaded, 0…1, and what is going on. The first picture can be drawn at 0.5. */
@@ -109,6 +111,13 @@ export interface Pass {
   isVisible: boolean;
 }
 
+/** An imagery pack. */
+export interface PackAbout {
+  name: string;
+  /** Whom to name beside the picture, a line each. */
+  attribution: string[];
+}
+
 /** What a click met. */
 export interface Pick {
   x: number;
@@ -136,6 +145,10 @@ export interface TerrellaEarthEventMap {
   viewchange: CustomEvent<null>;
   /** The whole maps are drawn. */
   complete: CustomEvent<null>;
+  /** An imagery pack is drawn, or with null none any more. */
+  pack: CustomEvent<PackAbout | null>;
+  /** Why tiles of the pack are missing, or null once they come again. Coarser ones are drawn in their place, and they are requested again. */
+  tiles: CustomEvent<string | null>;
   /** A click. */
   pick: CustomEvent<Pick>;
   error: CustomEvent<Error>;
@@ -183,6 +196,16 @@ export class TerrellaEarth extends EventTarget {
   rate: number;
   /** Exposure value, −20…20, or "auto", which meters each frame and is the default. */
   exposure: number | "auto";
+  /**
+   * Address of the folder of an imagery pack; null without one. An address or null may be assigned: the event `pack` comes when it is drawn, and
+   * `error` if it cannot be opened.
+   */
+  get pack(): string | null;
+  set pack(address: string | URL | null);
+  /** The same with a promise. It is undefined if another pack was set meanwhile. */
+  setPack(address: string | URL | null): Promise<PackAbout | null | undefined>;
+  /** Whether the last frame was drawn with all tiles that it needs. */
+  readonly isSharp: boolean;
   /** Names of the satellites drawn. */
   readonly satellites: string[];
   /**
@@ -275,6 +298,7 @@ export class TerrellaEarthElement extends HTMLElement {
   resolution: number | "auto";
   stations: Station[] | string;
   lines: Lines[] | string;
+  pack: string | null;
   /** As that of the Earth; before that is ready the state is dropped. */
   push(packet: Packet | string): string | undefined;
   /** Draws satellites now, or as soon as the Earth is ready. */

@@ -6,7 +6,7 @@ export { TerrellaEarth };
 
 /** Attributes whose changes apply to a live Earth. */
 const VIEW = ["lat", "lon", "altitude", "heading", "pitch", "fov"];
-const LIVE = [...VIEW, "epoch", "rate", "exposure", "look", "hide", "resolution", "stations", "lines"];
+const LIVE = [...VIEW, "epoch", "rate", "exposure", "look", "hide", "resolution", "stations", "lines", "pack"];
 /** Limit on labels: more would hide the globe. */
 const MAX_LABELS = 50;
 /** Estimated width of a letter of a label, and the height of a line, pixels of the page: a name that would cover another moves a line, or is left out. */
@@ -30,6 +30,8 @@ sheet.replaceSync(`
   .names { position: absolute; inset: 0; pointer-events: none; font: 13px/1 system-ui, sans-serif; color: #fff; text-shadow: 0 0 3px #000, 0 0 3px #000; }
   .names span[hidden] { display: none; }
   .names span { position: absolute; left: 0; top: 0; white-space: nowrap; }
+  .note { position: absolute; left: 0; bottom: 0; padding: 0.4em 0.8em; font: 13px/1.4 system-ui, sans-serif; color: #fff; background: #000a; pointer-events: none; }
+  .note:empty { display: none; }
   .message { position: absolute; inset: 0; display: grid; place-items: center; padding: 2em; text-align: center; font: 16px/1.5 system-ui, sans-serif; color: #fff; pointer-events: none; }
   .message:empty { display: none; }
 `);
@@ -40,6 +42,8 @@ export class TerrellaEarthElement extends HTMLElement {
   #root = this.attachShadow({ mode: "open" });
   #names = document.createElement("div");
   #message = document.createElement("div");
+  /** What is missing and will come. */
+  #note = document.createElement("div");
   #earth = null;
   #abort = null;
   #observers = [];
@@ -55,6 +59,8 @@ export class TerrellaEarthElement extends HTMLElement {
     this.#names.ariaHidden = "true";
     this.#message.className = "message";
     this.#message.role = "status";
+    this.#note.className = "note";
+    this.#note.role = "status";
   }
 
   /** The Earth, once it is ready. */
@@ -124,7 +130,8 @@ export class TerrellaEarthElement extends HTMLElement {
     if (controls) canvas.tabIndex = 0;
     canvas.role = controls ? "application" : "img";
     canvas.ariaLabel = this.getAttribute("aria-label") ?? (controls ? LABEL_WITH_CONTROLS : LABEL);
-    this.#root.replaceChildren(canvas, this.#names, this.#message);
+    this.#root.replaceChildren(canvas, this.#names, this.#note, this.#message);
+    this.#note.textContent = "";
     this.#message.role = "status";
     const size = () => this.getBoundingClientRect();
     canvas.width = Math.max(1, Math.round(size().width * devicePixelRatio));
@@ -149,10 +156,13 @@ export class TerrellaEarthElement extends HTMLElement {
         },
       });
       this.#earth = earth;
-      for (const type of ["frame", "viewchange", "complete", "pick"]) {
+      for (const type of ["frame", "viewchange", "complete", "pack", "pick", "tiles"]) {
         earth.addEventListener(type, (event) => this.dispatchEvent(new CustomEvent(type, { detail: event.detail })));
       }
       earth.addEventListener("frame", () => this.#writeNames(canvas));
+      earth.addEventListener("tiles", ({ detail }) => {
+        this.#note.textContent = detail ? `Some tiles are missing: ${detail}` : "";
+      });
       earth.addEventListener("error", (event) => this.#fail(event.detail));
       earth.addEventListener("devicelost", (event) => this.#restart(event.detail));
       for (const name of LIVE) {

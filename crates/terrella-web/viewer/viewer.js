@@ -1,4 +1,4 @@
-// The viewer: the globe, a time line, satellites from a file, a station with its passes, lines, and a link that stores all of these.
+// The viewer: the globe, a time line, satellites from a file, a station with its passes, lines, an imagery pack, and a link that stores all of these.
 
 import "./terrella/terrella.js";
 
@@ -39,6 +39,7 @@ function restore() {
   element.setAttribute("rate", $("rate").value);
   elements = state.get("elements") ?? "";
   $("station").value = state.get("station") ?? "";
+  $("pack").value = state.get("pack") ?? "";
   const lines = (state.get("lines") ?? "").split(" ");
   for (const box of lineBoxes()) box.checked = lines.includes(box.value);
 }
@@ -103,6 +104,7 @@ function link() {
   state.set("rate", element.rate);
   if (elements && elements.length <= LINK_TEXT) state.set("elements", elements);
   if ($("station").value) state.set("station", $("station").value);
+  if ($("pack").value) state.set("pack", $("pack").value);
   if (checkedLines().length) state.set("lines", checkedLines().join(" "));
   return new URL(`#${state}`, location.href).href;
 }
@@ -140,6 +142,11 @@ function start() {
   if (elements) showSatellites(elements);
   element.lines = checkedLines();
   $("station").addEventListener("change", showStation);
+  const showPack = () => {
+    element.pack = $("pack").value.trim();
+  };
+  if ($("pack").value) showPack();
+  $("pack").addEventListener("change", showPack);
   $("lines").addEventListener("change", () => {
     element.lines = checkedLines();
   });
@@ -173,6 +180,9 @@ element.addEventListener("frame", (event) => {
   $("epoch").textContent = `${event.detail.epoch.toISOString().slice(0, 19).replace("T", " ")} UTC`;
 });
 element.addEventListener("error", (event) => notice(event.detail.message));
+element.addEventListener("pack", ({ detail }) => {
+  $("credit").textContent = detail ? [detail.name, ...detail.attribution].join(" · ") : "";
+});
 element.addEventListener("pick", ({ detail: { place, satellite, station } }) => {
   const name = satellite?.name ?? station?.name;
   const where = place ? `${degrees(place.lat, "NS")}, ${degrees(place.lon, "EW")}` : "";

@@ -4,6 +4,7 @@
 use super::npm::{self, CESIUM, PLAYWRIGHT, Package};
 use crate::process;
 use anyhow::Context;
+use std::ffi::OsStr;
 use std::path::Path;
 use std::process::Command;
 
@@ -35,6 +36,7 @@ pub fn bundlers(dist: &Path, tests: &Path) -> anyhow::Result<()> {
         &tools,
         &tests.join("bundlers.mjs"),
         &tools.join("bundlers"),
+        &[],
     )
 }
 
@@ -44,7 +46,7 @@ pub fn bundlers(dist: &Path, tests: &Path) -> anyhow::Result<()> {
 /// A missing program or package, a picture that does not fit.
 pub fn examples(dist: &Path, tests: &Path, pictures: &Path) -> anyhow::Result<()> {
     let tools = npm::installed(&LIBRARIES).context("no example is tested")?;
-    run(dist, &tools, &tests.join("examples.mjs"), pictures)
+    run(dist, &tools, &tests.join("examples.mjs"), pictures, &[])
 }
 
 /// Opens pages on servers that are slow, fail or send other files, and makes and removes many elements in one page.
@@ -53,12 +55,24 @@ pub fn examples(dist: &Path, tests: &Path, pictures: &Path) -> anyhow::Result<()
 /// A missing program or package, a page without its picture or message, memory that grows.
 pub fn servers(dist: &Path, tests: &Path, pages: &Path) -> anyhow::Result<()> {
     let tools = npm::installed(&[PLAYWRIGHT]).context("no page is tested")?;
-    run(dist, &tools, &tests.join("servers.mjs"), pages)
+    run(dist, &tools, &tests.join("servers.mjs"), pages, &[])
 }
 
 /// Runs a test of the pages in a folder, in the folder of the tools.
-fn run(dist: &Path, tools: &Path, test: &Path, out: &Path) -> anyhow::Result<()> {
+pub fn run(
+    dist: &Path,
+    tools: &Path,
+    test: &Path,
+    out: &Path,
+    more: &[&OsStr],
+) -> anyhow::Result<()> {
     let dist = std::path::absolute(dist).with_context(|| dist.display().to_string())?;
     let mut node = Command::new("node");
-    process::run(node.arg(test).arg(dist).arg(out).current_dir(tools))
+    process::run(
+        node.arg(test)
+            .arg(dist)
+            .arg(out)
+            .args(more)
+            .current_dir(tools),
+    )
 }

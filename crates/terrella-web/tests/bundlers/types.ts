@@ -60,6 +60,10 @@ export async function draw(canvas: HTMLCanvasElement, signal: AbortSignal): Prom
   earth.epoch = "live";
   const heights: number[] = earth.passes({ station: 1, hours: 2 }).filter((pass) => pass.isVisible).map((pass) => pass.elevation);
   const dark: Date[] = earth.shadows({ from: shown }).map(({ begin }) => begin);
+  earth.pack = new URL("https://tiles.example/earth/");
+  earth.addEventListener("pack", ({ detail }) => detail?.attribution.join("; "));
+  const about = await earth.setPack(null);
+  console.log(about?.name, earth.isSharp, earth.pack?.length);
   console.log(heights, dark, earth.stations[0]?.mask, earth.labels[0]?.kind);
   await earth.complete;
   return earth.draw(shown.getTime());

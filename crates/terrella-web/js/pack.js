@@ -1,0 +1,170 @@
+// The page's side of a pack's worker: opens the pack, and loads the tiles that the Earth requests.
+
+import { newWorker, PACKS } from "./files.js";
+
+/** While tiles are missing that did not come, a frame is drawn so often, milliseconds: the Earth decides which to request again. */
+const RETRY_MS = 1000;
+
+class Pack {
+  #worker = newWorker(PACKS.worker, "worker-pack.js");
+  #globe = null;
+  #changed;
+  #told;
+  #timer = 0;
+  /** Whether a tile did not come since all were there. */
+  #hasFailed = false;
+  /** Loads that were ended before their tile came. */
+  #unwanted = new Set();
+  /** Settle the request that is going on. */
+  #resolve = () => {};
+  #reject = () => {};
+  #take = () => {};
+
+  /** `changed` is called when a tile has come, `told` with the reason why one did not, or with null once one comes again. */
+  constructor(changed, told) {
+    this.#changed = changed;
+    this.#told = told;
+    this.#worker.onerror = (event) => this.#reject(new Error(`The worker that reads the pack did not start: ${event.message ?? "worker-pack.js could not be loaded"}.`));
+    this.#worker.onmessage = ({ data }) => this.#receive(data);
+  }
+
+  /** Reads the pack at an address. */
+  open(address, hasBc) {
+    return this.#ask({ open: { address, wasm: PACKS.wasm.href, hasBc } });
+  }
+
+  /** Passes the bands of the pack's whole maps to `take`. Returns errors of damaged tiles, which finer ones replace. */
+  maps(take) {
+    this.#take = take;
+    return this.#ask({ maps: true });
+  }
+
+  /** Loads tiles for an Earth that draws this pack. */
+  attach(globe) {
+    this.#globe = globe;
+  }
+
+  /** Requests what the last frame lacks, and ends what it no longer wants. */
+  follow() {
+    if (!this.#globe) return;
+    for (const number of this.#globe.unwantedTiles()) {
+      if (this.#unwanted.has(number)) continue;
+      this.#unwanted.add(number);
+      this.#worker.postMessage({ abort: number });
+    }
+    for (let tile = this.#globe.takeTile(); tile; tile = this.#globe.takeTile()) {
+      this.#worker.postMessage({ load: [...tile] });
+    }
+    this.#hasFailed &&= !this.#globe.isSharp();
+    clearTimeout(this.#timer);
+    if (this.#hasFailed) this.#timer = setTimeout(this.#changed, RETRY_MS);
+  }
+
+  /** Ends the worker. What is going on fails with an `AbortError`. */
+  end() {
+    clearTimeout(this.#timer);
+    this.#globe = null;
+    this.#worker.terminate();
+    this.#reject(new DOMException("The pack is no longer wanted.", "AbortError"));
+  }
+
+  #ask(message) {
+    return new Promise((resolve, reject) => {
+      this.#resolve = resolve;
+      this.#reject = reject;
+      this.#worker.postMessage(message);
+    });
+  }
+
+  #receive(data) {
+    try {
+      if (data.band) this.#take(...data.band);
+      else if (data.error) this.#reject(new Error(data.error));
+      else if (data.number === undefined) this.#resolve(data.opened ?? data.damaged);
+      else if (this.#globe) this.#end(data);
+    } catch (error) {
+      this.#reject(error);
+    }
+  }
+
+  #end({ number, texels, failed }) {
+    this.#unwanted.delete(number);
+    if (texels) {
+      this.#globe.endTile(number, texels);
+      this.#told(null);
+    } else {
+      this.#globe.failTile(number, failed.address, failed.cause, failed.isUnwanted);
+      if (!failed.isUnwanted) {
+        this.#hasFailed = true;
+        this.#told(failed.cause);
+      }
+    }
+    this.#changed();
+  }
+}
+
+/** The pack that an Earth is drawn with. Another is opened beside it and takes its place. */
+export class ShownPack {
+  /** Its address; null without one. */
+  address = null;
+  #earth;
+  #pack = null;
+  #why = null;
+
+  /** `earth` has the functions `globe`, the wasm object or null once it is freed; `ready`, which settles when the page's maps are there; `invalidate`; `send`. */
+  constructor(earth) {
+    this.#earth = earth;
+  }
+
+  /** Draws the pack at an address, or none. Returns its name and attribution; undefined if it was replaced meanwhile. */
+  async show(address) {
+    const folder = address ? new URL(`${String(address).replace(/\/*$/, "")}/`, document.baseURI).href : null;
+    if (folder === this.address) return undefined;
+    this.end();
+    this.address = folder;
+    const pack = folder ? new Pack(this.#earth.invalidate, (why) => this.#tell(why)) : null;
+    this.#pack = pack;
+    const isWanted = () => this.#pack === pack && this.address === folder && this.#earth.globe();
+    try {
+      // They are drawn where the pack has none.
+      await this.#earth.ready().catch(() => {});
+      if (!isWanted()) return undefined;
+      const about = await pack?.open(folder, this.#earth.globe().hasBc());
+      if (!isWanted()) return undefined;
+      const opening = this.#earth.globe().openPack(about?.layout ?? new Uint32Array(), about?.slopeFactor ?? 1);
+      const damaged = await pack?.maps((...band) => opening.band(...band));
+      const earth = await opening.finish();
+      if (!isWanted()) return undefined;
+      this.#earth.globe().showPack(earth);
+      pack?.attach(this.#earth.globe());
+      this.#tell(damaged?.[0] ?? null);
+      this.#earth.invalidate();
+      const detail = about ? { name: about.name, attribution: about.attribution } : null;
+      this.#earth.send("pack", detail);
+      return detail;
+    } catch (error) {
+      if (!isWanted()) return undefined;
+      this.end();
+      this.#earth.send("error", error);
+      throw error;
+    }
+  }
+
+  /** Requests what the last frame lacks. */
+  follow() {
+    this.#pack?.follow();
+  }
+
+  /** Ends what is going on. The Earth keeps the tiles that it has. */
+  end() {
+    this.#pack?.end();
+    [this.#pack, this.address] = [null, null];
+    this.#tell(null);
+  }
+
+  #tell(why) {
+    if (why === this.#why) return;
+    this.#why = why;
+    this.#earth.send("tiles", why);
+  }
+}
