@@ -217,7 +217,7 @@ fn bad_ground_is_drawn_without_holes_third_part() {
 }
 
 #[test]
-#[ignore = "minutes: every surface from every view, of which the suite draws every second"]
+#[ignore = "minutes: every surface from every view, of which the suite draws every third"]
 fn bad_ground_is_drawn_without_holes_by_every_surface() {
     (0..PARTS).for_each(|part| is_drawn_without_holes(part, true));
 }
@@ -237,7 +237,7 @@ fn is_drawn_without_holes(part: usize, draws_all: bool) {
                 false => SETTLE,
             };
             let surfaces = surfaces().into_iter().enumerate();
-            let chosen = surfaces.filter(|(nth, _)| draws_all || (nth + of + number) % 2 == 0);
+            let chosen = surfaces.filter(|(nth, _)| draws_all || (nth + of + number) % 3 == 0);
             for (_, (surface_name, surface)) in chosen {
                 let found = draw(
                     surface,

@@ -70,6 +70,9 @@ fn surfaces() -> Vec<(&'static str, SurfaceSettings)> {
     all
 }
 
+/// The suite draws one of so many surfaces from each view, another from the next.
+const SAMPLED: usize = 3;
+
 fn options(
     layers: EarthLayers,
     ground: Option<(SurfaceSettings, Arc<dyn Elevation>)>,
@@ -189,6 +192,17 @@ fn expected(name: &str, view: &EyeView, height_m: f64) -> Vec<Expected> {
 
 #[test]
 fn level_ground_is_where_the_exact_ray_meets_it() {
+    level_ground_is_where_rays_meet_it(SAMPLED);
+}
+
+#[test]
+#[ignore = "a minute: every surface from every view, of which the suite draws every third"]
+fn level_ground_is_where_the_exact_ray_meets_every_surface() {
+    level_ground_is_where_rays_meet_it(1);
+}
+
+/// Of the surfaces, each from each view, one of so many is drawn.
+fn level_ground_is_where_rays_meet_it(of_so_many: usize) {
     let mut wrong = Vec::new();
     for (above, height_m) in [-8000.0, 8000.0].into_iter().enumerate() {
         let ground: Arc<dyn Elevation> = Arc::new(Level(height_m));
@@ -203,8 +217,8 @@ fn level_ground_is_where_the_exact_ray_meets_it() {
         let aspect = rigs[0].1.aspect();
         for (of, (name, view)) in views(aspect).into_iter().enumerate() {
             let expected = expected(name, &view, height_m);
-            // Each surface from each view, alternating between high and deep.
-            for (kind, rig) in rigs.iter_mut().skip((of + above) % 2).step_by(2) {
+            let first = (of + above) % of_so_many;
+            for (kind, rig) in rigs.iter_mut().skip(first).step_by(of_so_many) {
                 let (picture, stats, _) = rig.draw_complete(&view, view.eye_world.normalize());
                 assert!(stats.ground.triangles > 0, "{kind}, {name}");
                 let (mut worst, mut count) = (0.0_f64, 0);
@@ -231,6 +245,16 @@ fn level_ground_is_where_the_exact_ray_meets_it() {
 
 #[test]
 fn hills_have_no_holes() {
+    no_holes_in_hills(SAMPLED);
+}
+
+#[test]
+#[ignore = "a minute: every surface from every view, of which the suite draws every third"]
+fn hills_have_no_holes_by_any_surface() {
+    no_holes_in_hills(1);
+}
+
+fn no_holes_in_hills(of_so_many: usize) {
     let mut wrong = Vec::new();
     let rig = |surface| {
         let options = options(plain([255; 3]), Some((surface, Arc::new(Hills) as _)));
@@ -241,13 +265,13 @@ fn hills_have_no_holes() {
         .map(|(kind, surface)| (kind, rig(surface)))
         .collect();
     let aspect = rigs[0].1.aspect();
-    for (name, view) in views(aspect) {
+    for (of, (name, view)) in views(aspect).into_iter().enumerate() {
         let pixels = (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y)));
         // Black where a ray crosses the space below the lowest hill.
         let ground: Vec<_> = pixels
             .filter(|(x, y)| hit(view.eye_world, ray(&view, *x, *y, SIZE), -8300.0).is_some())
             .collect();
-        for (kind, rig) in &mut rigs {
+        for (kind, rig) in rigs.iter_mut().skip(of % of_so_many).step_by(of_so_many) {
             let sun = view.eye_world.normalize();
             let (picture, ..) = rig.draw_complete(&view, sun);
             let is_hole = |(x, y): &&(u32, u32)| picture.get_pixel(*x, *y).0[0] == 0;

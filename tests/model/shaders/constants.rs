@@ -1,6 +1,6 @@
 //! No number that both sides use is written twice.
 
-use super::all_shaders;
+use super::{Shader, sampled_shaders};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 use terrella::internals::gpu::SHADER_FILES;
@@ -160,22 +160,26 @@ fn no_number_of_a_shader_stands_in_rust_too() {
 /// Imported constants are used, and so are those of a shader itself.
 #[test]
 fn every_constant_is_used_where_it_is_declared() {
+    for shader in sampled_shaders() {
+        let unused: Vec<_> = unused_in(shader).collect();
+        assert!(
+            unused.is_empty(),
+            "{} declares {unused:?} and does not use them",
+            shader.name
+        );
+    }
+}
+
+/// Constants that a shader declares and does not use.
+pub fn unused_in(shader: &Shader) -> impl Iterator<Item = &str> {
     let is_of_a_word = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'_';
-    for shader in all_shaders() {
-        let text = &shader.text.text;
-        // Once for all names: there are thousands of variants.
-        let (mut once, mut again) = (HashSet::new(), HashSet::new());
-        for word in text.as_bytes().split(|byte| !is_of_a_word(*byte)) {
-            if !once.insert(word) {
-                again.insert(word);
-            }
-        }
-        for name in constants(text) {
-            assert!(
-                again.contains(name.as_bytes()),
-                "{} declares {name} and does not use it",
-                shader.name
-            );
+    let text = &shader.text.text;
+    // Once for all names: there are thousands of variants.
+    let (mut once, mut again) = (HashSet::new(), HashSet::new());
+    for word in text.as_bytes().split(|byte| !is_of_a_word(*byte)) {
+        if !once.insert(word) {
+            again.insert(word);
         }
     }
+    constants(text).filter(move |name| !again.contains(name.as_bytes()))
 }

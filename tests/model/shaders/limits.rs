@@ -1,6 +1,6 @@
 //! Bindings of variants, compared with wgpu's guaranteed device limits.
 
-use super::{Shader, all_shaders, hold};
+use super::{Shader, hold, sampled_shaders};
 use naga::valid::GlobalUse;
 use naga::{AddressSpace, Binding, ShaderStage, TypeInner};
 use terrella::internals::gpu::ShaderCapability;
@@ -146,7 +146,7 @@ fn beyond(shader: &Shader, limits: &Limits) -> Vec<String> {
 
 #[test]
 fn every_variant_keeps_to_the_limits_or_names_what_it_needs() {
-    let shaders = all_shaders();
+    let shaders = sampled_shaders();
     let mut failures = Vec::new();
     for (device, limits) in &DEVICES {
         let (mut within, mut lacking) = (0, 0);
@@ -174,7 +174,7 @@ fn every_variant_keeps_to_the_limits_or_names_what_it_needs() {
 /// Requirements beyond the limits of WebGL 2 are declared, and some variant needs each.
 #[test]
 fn every_capability_is_needed() {
-    let shaders = all_shaders();
+    let shaders = sampled_shaders();
     for capability in ShaderCapability::ALL {
         assert!(
             shaders

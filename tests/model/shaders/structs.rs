@@ -1,6 +1,6 @@
 //! Structs that Rust writes and shaders read: offsets and sizes as naga lays them out.
 
-use super::all_shaders;
+use super::sampled_shaders;
 use naga::TypeInner;
 use std::mem::offset_of;
 use terrella::internals::gpu::{CelestialUniforms, Disc, GradeUniforms, TrackUniforms};
@@ -13,7 +13,7 @@ use terrella_ground::globe::projected_grid::{GridLevel, GridUniforms};
 
 /// Member offsets and size of a struct, from a shader that has it.
 fn reflected(name: &str) -> (Vec<(String, usize)>, usize) {
-    for shader in all_shaders() {
+    for shader in sampled_shaders() {
         let mut types = shader.module.types.iter().map(|(_, ty)| ty);
         let ty = types.find(|ty| ty.name.as_deref() == Some(name));
         if let Some(TypeInner::Struct { members, span }) = ty.map(|ty| &ty.inner) {
