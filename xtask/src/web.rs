@@ -25,13 +25,15 @@ const BACKENDS: [&str; 2] = ["webgpu", "webgl"];
 /// The reader of packs, a wasm file of its own: its name and its crate.
 const PACKS: (&str, &str) = ("packs", "terrella-web-pack");
 /// The starter maps that a page uses.
-const MAPS: [&str; 7] = [
+const MAPS: [&str; 9] = [
     "day.jpg",
     "clouds.jpg",
     "elevation.png",
     "night_lights.png",
     "water.png",
     "seasons.png",
+    "moon.jpg",
+    "milky_way.jpg",
     "stars.bin",
 ];
 

@@ -231,7 +231,7 @@ export class TerrellaEarth extends EventTarget {
     this.invalidate();
   }
 
-  /** "standard", or "full" with cloud shadows, moonlight and airglow. */
+  /** "standard", or "full" with cloud shadows, moonlight, airglow and the Milky Way. */
   get look() {
     return this.#look;
   }

@@ -8,6 +8,8 @@ export const MAPS = {
   "night_lights.png": new URL("./maps/night_lights.png", import.meta.url),
   "water.png": new URL("./maps/water.png", import.meta.url),
   "seasons.png": new URL("./maps/seasons.png", import.meta.url),
+  "moon.jpg": new URL("./maps/moon.jpg", import.meta.url),
+  "milky_way.jpg": new URL("./maps/milky_way.jpg", import.meta.url),
   "stars.bin": new URL("./maps/stars.bin", import.meta.url),
 };
 

@@ -178,7 +178,7 @@ export class TerrellaEarth extends EventTarget {
   /** Parts that are not drawn. Takes text with blanks between the words too. */
   get hide(): Layer[];
   set hide(parts: Layer[] | string);
-  /** "full" adds cloud shadows, moonlight and airglow. */
+  /** "full" adds cloud shadows, moonlight, airglow and the Milky Way. */
   look: "standard" | "full";
   /** Pixels drawn for each of the canvas, along either axis: 0.25…1, or "auto", the default, which draws fewer while frames are slow. */
   resolution: number | "auto";

@@ -130,7 +130,7 @@ export class TerrellaEarthElement extends HTMLElement {
     if (controls) canvas.tabIndex = 0;
     canvas.role = controls ? "application" : "img";
     canvas.ariaLabel = this.getAttribute("aria-label") ?? (controls ? LABEL_WITH_CONTROLS : LABEL);
-    this.#root.replaceChildren(canvas, this.#names, this.#note, this.#message);
+    this.#root.replaceChildren(canvas, this.#names, this.#message, this.#note);
     this.#note.textContent = "";
     this.#message.role = "status";
     const size = () => this.getBoundingClientRect();

@@ -17,8 +17,8 @@ use terrella::celestial::{Celestial, CelestialMoment, CelestialOptions, StarCata
 use terrella::frames::Orientation;
 use terrella::tracks::TrackMoment;
 use terrella::{
-    Atmosphere, Earth, EarthOptions, Epoch, Exposure, FrameRequest, MapLayer, Pipelines, Sky,
-    supply_air_tables, supply_detail_tile,
+    Atmosphere, Earth, EarthOptions, Epoch, Exposure, FrameRequest, LayerImage, MapLayer,
+    Pipelines, Sky, supply_air_tables, supply_detail_tile,
 };
 use wasm_bindgen::prelude::{JsValue, wasm_bindgen};
 
@@ -93,10 +93,10 @@ impl Opening {
     /// # Errors
     /// Maps without a day map, stars that cannot be read, a device without memory.
     pub async fn finish(self, stars: Option<Vec<u8>>) -> Result<Globe, JsValue> {
-        let (layers, uploaded) = self.incoming.finish().map_err(thrown)?;
+        let maps = self.incoming.finish().map_err(thrown)?;
         let canvas = self.canvas;
-        let mut options = EarthOptions::new(layers);
-        options.uploaded = uploaded;
+        let mut options = EarthOptions::new(maps.layers);
+        options.uploaded = maps.uploaded;
         canvas.fit(&mut options);
         options.anisotropy = self.anisotropy;
         options.exposure = Exposure::Auto;
@@ -106,13 +106,14 @@ impl Opening {
             .await
             .map_err(thrown)?;
         let stars = stars.map(|bytes| StarCatalogue::from_bytes(&bytes));
-        let what = CelestialOptions {
+        let in_sky = CelestialOptions {
             stars: stars.transpose().map_err(thrown)?.map(Arc::new),
             sun: true,
+            moon: maps.moon,
             glare: true,
             ..CelestialOptions::NOTHING
         };
-        let celestial = Celestial::new(device, queue, &earth, &what).map_err(thrown)?;
+        let celestial = Celestial::new(device, queue, &earth, &in_sky).map_err(thrown)?;
         let eye = Eye::new(&View {
             lat_deg: 0.0,
             lon_deg: 0.0,
@@ -126,6 +127,8 @@ impl Opening {
             options,
             earth,
             tiles: PageTiles::default(),
+            in_sky,
+            milky_way: maps.milky_way,
             celestial,
             incoming: None,
             eye: eye.ok_or_else(|| thrown("the first view is not finite"))?,
@@ -144,6 +147,9 @@ pub struct Globe {
     options: EarthOptions,
     earth: Earth,
     tiles: PageTiles,
+    in_sky: CelestialOptions,
+    /// Its map: drawn with all effects only.
+    milky_way: Option<Arc<LayerImage>>,
     celestial: Celestial,
     /// Finer maps that are coming.
     incoming: Option<Incoming>,
@@ -186,11 +192,23 @@ impl Globe {
         let Some(incoming) = self.incoming.take() else {
             return Ok(());
         };
-        let (layers, maps) = incoming.finish().map_err(thrown)?;
+        let maps = incoming.finish().map_err(thrown)?;
         self.earth
-            .set_maps(&self.canvas.queue, &maps)
+            .set_maps(&self.canvas.queue, &maps.uploaded)
             .map_err(thrown)?;
-        self.options.replace_uploaded(layers, maps);
+        self.options.replace_uploaded(maps.layers, maps.uploaded);
+        self.in_sky.moon = maps.moon.or(self.in_sky.moon.take());
+        self.milky_way = maps.milky_way.or(self.milky_way.take());
+        self.fill_sky()
+    }
+
+    /// Draws what there is in the sky from the next frame on.
+    fn fill_sky(&mut self) -> Result<(), JsValue> {
+        let is_full = self.earth.appearance().light.moonlight;
+        self.in_sky.milky_way = self.milky_way.clone().filter(|_| is_full);
+        let (device, queue) = (&self.canvas.device, &self.canvas.queue);
+        self.celestial =
+            Celestial::new(device, queue, &self.earth, &self.in_sky).map_err(thrown)?;
         Ok(())
     }
 
@@ -310,6 +328,7 @@ impl Globe {
         self.earth
             .set_appearance(&self.canvas.queue, &appearance)
             .map_err(thrown)?;
+        self.fill_sky()?;
         self.overlay.follow(&self.earth).map_err(thrown)
     }
 

@@ -3,14 +3,19 @@
 use crate::thrown;
 use std::cell::RefCell;
 use std::collections::HashMap;
+use std::sync::Arc;
+use terrella::celestial::{CelestialOptions, CelestialSelection, MILKY_WAY_FILE, MOON_FILE};
 use terrella::{
-    EarthLayers, LayerImage, LayerSelection, MapBands, MapError, MapLayer, MapRows, MapSink,
-    MapUploader, Season, TexelFormat, UploadedMaps, load_seasonal_layers, wgpu,
+    EarthLayers, ImageryError, LayerImage, LayerSelection, MapBands, MapError, MapLayer, MapRows,
+    MapSink, MapUploader, Season, TexelFormat, UploadedMaps, load_seasonal_layers, wgpu,
 };
 use wasm_bindgen::prelude::{JsCast, JsValue, wasm_bindgen};
 
 /// Size of a band, bytes: a message takes a millisecond or two.
 const BAND_BYTES: usize = 1 << 20;
+
+/// Number of the Moon's map in messages from the worker, behind those of the Earth; that of the Milky Way follows.
+const MOON: usize = MapLayer::ALL.len();
 
 /// How the texels of a map are stored.
 fn format_of(layer: MapLayer) -> TexelFormat {
@@ -22,7 +27,7 @@ fn format_of(layer: MapLayer) -> TexelFormat {
 }
 
 /// Decodes maps: an object of `Uint8Array`s by the names of the starter maps (`day.jpg`, `clouds.jpg`, `elevation.png`, `night_lights.png`,
-/// `water.png`, `seasons.png`), of which the first must be there. For a worker. Snow and sea ice are those of a time since the start of the year, as a
+/// `water.png`, `seasons.png`, `moon.jpg`, `milky_way.jpg`), of which the first must be there. For a worker. Snow and sea ice are those of a time since the start of the year, as a
 /// fraction of it; without it, or without `seasons.png`, there are those of the day map. `take` is called with each band: number of the map, its width and height, level, first
 /// row, and texels; after the last band of a map with the level −1.
 ///
@@ -63,6 +68,20 @@ pub fn decode_maps(
     };
     let loaded = load_seasonal_layers(&files, selection, season.as_ref(), &sink);
     let (_, damaged) = loaded.map_err(thrown)?;
+    let in_sky = CelestialSelection {
+        stars: false,
+        moon: has(MOON_FILE),
+        milky_way: has(MILKY_WAY_FILE),
+        ..CelestialSelection::default()
+    };
+    let sky = CelestialOptions::load(&files, in_sky).map_err(thrown)?;
+    for (number, map) in (MOON as u32..).zip([sky.moon, sky.milky_way]) {
+        if let Some(map) = map {
+            let size = (map.width, map.height);
+            sink.send(number, size, 0, 0, &map.levels[0]);
+            sink.send(number, size, -1, 0, &[]);
+        }
+    }
     match (sink.failed.into_inner(), damaged.into_iter().next()) {
         (Some(error), _) => Err(error),
         (None, Some(damaged)) => Err(thrown(damaged.error)),
@@ -79,15 +98,15 @@ struct Sender {
 
 struct Sent<'s> {
     sender: &'s Sender,
-    layer: MapLayer,
+    number: u32,
     size: (u32, u32),
     bands: MapBands,
 }
 
 impl Sender {
-    fn send(&self, layer: MapLayer, size: (u32, u32), level: i32, first: u32, texels: &[u8]) {
+    fn send(&self, number: u32, size: (u32, u32), level: i32, first: u32, texels: &[u8]) {
         let arguments = js_sys::Array::new();
-        for number in [layer.index() as u32, size.0, size.1] {
+        for number in [number, size.0, size.1] {
             arguments.push(&number.into());
         }
         arguments.push(&level.into());
@@ -114,7 +133,7 @@ impl MapSink for Sender {
         };
         Some(Box::new(Sent {
             sender: self,
-            layer,
+            number: layer.index() as u32,
             size: (width, height),
             bands: MapBands::new(&map, BAND_BYTES),
         }))
@@ -123,14 +142,14 @@ impl MapSink for Sender {
 
 impl MapRows for Sent<'_> {
     fn rows(&mut self, level: usize, first: u32, texels: &[u8]) {
-        let (sender, layer, size) = (self.sender, self.layer, self.size);
+        let (sender, number, size) = (self.sender, self.number, self.size);
         self.bands.rows(level, first, texels, |level, first, band| {
-            sender.send(layer, size, level as i32, first, band);
+            sender.send(number, size, level as i32, first, band);
         });
     }
 
     fn finish(self: Box<Self>) {
-        self.sender.send(self.layer, self.size, -1, 0, &[]);
+        self.sender.send(self.number, self.size, -1, 0, &[]);
     }
 }
 
@@ -140,6 +159,21 @@ pub struct Incoming {
     coming: [Option<Box<dyn MapRows>>; MapLayer::ALL.len()],
     /// Descriptions of the maps that came.
     came: [Option<LayerImage>; MapLayer::ALL.len()],
+    /// Texels of the maps of the sky that are coming, and the maps that came, from [`MOON`] on.
+    sky_texels: [Vec<u8>; 2],
+    sky: [Option<Arc<LayerImage>>; 2],
+}
+
+/// Maps that came.
+pub struct Received {
+    /// The Earth's, described.
+    pub layers: EarthLayers,
+    /// The Earth's, on the GPU.
+    pub uploaded: UploadedMaps,
+    /// The Moon's.
+    pub moon: Option<Arc<LayerImage>>,
+    /// The Milky Way's.
+    pub milky_way: Option<Arc<LayerImage>>,
 }
 
 /// Why maps that came cannot be used.
@@ -161,6 +195,9 @@ pub enum IncomingError {
     /// The device rejected a map.
     #[error(transparent)]
     Map(#[from] MapError),
+    /// A map of the sky without all its rows.
+    #[error(transparent)]
+    Sky(#[from] ImageryError),
 }
 
 impl Incoming {
@@ -170,6 +207,8 @@ impl Incoming {
             uploader: MapUploader::new(device, queue, Default::default()),
             coming: Default::default(),
             came: Default::default(),
+            sky_texels: Default::default(),
+            sky: Default::default(),
         }
     }
 
@@ -185,7 +224,7 @@ impl Incoming {
         texels: &[u8],
     ) -> Result<(), IncomingError> {
         let Some(layer) = MapLayer::ALL.get(map).copied() else {
-            return Ok(());
+            return self.sky_band(map - MOON, (width, height), level, texels);
         };
         let rows = match &mut self.coming[map] {
             Some(rows) => rows,
@@ -217,11 +256,31 @@ impl Incoming {
         Ok(())
     }
 
+    /// Takes rows of a map of the sky, from north to south.
+    fn sky_band(
+        &mut self,
+        map: usize,
+        (width, height): (u32, u32),
+        level: i32,
+        texels: &[u8],
+    ) -> Result<(), IncomingError> {
+        let (Some(coming), Some(came)) = (self.sky_texels.get_mut(map), self.sky.get_mut(map))
+        else {
+            return Ok(());
+        };
+        coming.extend_from_slice(texels);
+        if level < 0 {
+            let map = LayerImage::from_rgba8(width, height, std::mem::take(coming))?;
+            *came = Some(Arc::new(map));
+        }
+        Ok(())
+    }
+
     /// The maps, after all have come.
     ///
     /// # Errors
     /// A missing day map, or one that the device rejected.
-    pub fn finish(self) -> Result<(EarthLayers, UploadedMaps), IncomingError> {
+    pub fn finish(self) -> Result<Received, IncomingError> {
         let [day, clouds, normals, night_lights, water] = self.came;
         let layers = EarthLayers {
             day: day.ok_or(IncomingError::NoDay)?,
@@ -230,6 +289,12 @@ impl Incoming {
             night_lights,
             water,
         };
-        Ok((layers, self.uploader.finish()?))
+        let [moon, milky_way] = self.sky;
+        Ok(Received {
+            layers,
+            uploaded: self.uploader.finish()?,
+            moon,
+            milky_way,
+        })
     }
 }

@@ -89,8 +89,8 @@ impl PackOpening {
             mut options,
         } = self;
         if !layout.is_empty() {
-            let (layers, uploaded) = incoming.finish().map_err(thrown)?;
-            options.replace_uploaded(layers, uploaded);
+            let maps = incoming.finish().map_err(thrown)?;
+            options.replace_uploaded(maps.layers, maps.uploaded);
             options.tiles = Some(TileOptions {
                 loading: TileLoading::Host(AT_ONCE),
                 texture_bytes: TEXTURE_BYTES,
