@@ -23,6 +23,8 @@ mod overlay;
 #[allow(dead_code)]
 #[path = "../../terrella-play/src/pose.rs"]
 mod pose;
+#[cfg(target_family = "wasm")]
+mod posted;
 #[cfg_attr(not(target_family = "wasm"), allow(dead_code))]
 mod pushed;
 #[cfg_attr(not(target_family = "wasm"), allow(dead_code))]

@@ -1,5 +1,6 @@
 //! Maps that a worker decodes: read there and sent in bands of rows, uploaded here.
 
+use crate::posted::{BAND_BYTES, END, post};
 use crate::thrown;
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -10,9 +11,6 @@ use terrella::{
     MapSink, MapUploader, Season, TexelFormat, UploadedMaps, load_seasonal_layers, wgpu,
 };
 use wasm_bindgen::prelude::{JsCast, JsValue, wasm_bindgen};
-
-/// Size of a band, bytes: a message takes a millisecond or two.
-const BAND_BYTES: usize = 1 << 20;
 
 /// Number of the Moon's map in messages from the worker, behind those of the Earth; that of the Milky Way follows.
 const MOON: usize = MapLayer::ALL.len();
@@ -79,7 +77,7 @@ pub fn decode_maps(
         if let Some(map) = map {
             let size = (map.width, map.height);
             sink.send(number, size, 0, 0, &map.levels[0]);
-            sink.send(number, size, -1, 0, &[]);
+            sink.send(number, size, END, 0, &[]);
         }
     }
     match (sink.failed.into_inner(), damaged.into_iter().next()) {
@@ -105,14 +103,7 @@ struct Sent<'s> {
 
 impl Sender {
     fn send(&self, number: u32, size: (u32, u32), level: i32, first: u32, texels: &[u8]) {
-        let arguments = js_sys::Array::new();
-        for number in [number, size.0, size.1] {
-            arguments.push(&number.into());
-        }
-        arguments.push(&level.into());
-        arguments.push(&first.into());
-        arguments.push(&js_sys::Uint8Array::from(texels));
-        if let Err(error) = self.take.apply(&JsValue::NULL, &arguments) {
+        if let Err(error) = post(&self.take, number, size, level, first, texels) {
             self.failed.borrow_mut().get_or_insert(error);
         }
     }
@@ -149,7 +140,7 @@ impl MapRows for Sent<'_> {
     }
 
     fn finish(self: Box<Self>) {
-        self.sender.send(self.number, self.size, -1, 0, &[]);
+        self.sender.send(self.number, self.size, END, 0, &[]);
     }
 }
 
@@ -269,7 +260,7 @@ impl Incoming {
             return Ok(());
         };
         coming.extend_from_slice(texels);
-        if level < 0 {
+        if level == END {
             let map = LayerImage::from_rgba8(width, height, std::mem::take(coming))?;
             *came = Some(Arc::new(map));
         }

@@ -5,20 +5,21 @@
 // `wasm-bindgen` exports what is here; on other targets nothing uses it.
 #![cfg_attr(not(target_family = "wasm"), allow(dead_code))]
 
+#[path = "../../src/posted.rs"]
+mod posted;
 #[allow(dead_code)]
 #[path = "../../src/tile_layout.rs"]
 mod tile_layout;
 
+use posted::{BAND_BYTES, END, post};
 use std::path::Path;
 use std::sync::Arc;
+use terrella_imagery::MapBands;
 use terrella_imagery::pack::{CoarsestMap, Pack, PackTiles};
 use terrella_imagery::slopes::SLOPE_EXAGGERATION;
 use terrella_imagery::tile::{MapLayer, Storage, TileError, TileKey, TileSource};
 use tile_layout::layout_words;
 use wasm_bindgen::prelude::{JsValue, wasm_bindgen};
-
-/// Size of a band, bytes, as for the starter maps.
-const BAND_BYTES: usize = 1 << 20;
 
 /// An open pack.
 #[wasm_bindgen]
@@ -120,24 +121,18 @@ impl PackReader {
             return Ok(());
         };
         let map = map.finish().map_err(thrown)?;
-        let send = |level: i32, first: usize, texels: &[u8]| {
-            let arguments = js_sys::Array::new();
-            for number in [layer.index() as u32, map.width, map.height] {
-                arguments.push(&number.into());
-            }
-            arguments.push(&level.into());
-            arguments.push(&(first as u32).into());
-            arguments.push(&js_sys::Uint8Array::from(texels));
-            take.apply(&JsValue::NULL, &arguments).map(drop)
-        };
+        let (number, size) = (layer.index() as u32, (map.width, map.height));
+        let mut bands = MapBands::new(&map, BAND_BYTES);
+        let mut posted = Ok(());
         for (level, texels) in map.levels.iter().enumerate() {
-            let row = map.level_size(level).0 as usize * map.format.texel_bytes();
-            let rows = (BAND_BYTES / row).max(1);
-            for (n, band) in texels.chunks(rows * row).enumerate() {
-                send(level as i32, n * rows, band)?;
-            }
+            bands.rows(level, 0, texels, |level, first, band| {
+                if posted.is_ok() {
+                    posted = post(take, number, size, level as i32, first, band);
+                }
+            });
         }
-        send(-1, 0, &[])
+        posted?;
+        post(take, number, size, END, 0, &[])
     }
 
     /// Address of a tile's file.
