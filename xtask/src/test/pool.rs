@@ -11,11 +11,11 @@ use std::time::Instant;
 /// The slowest programs, slowest first, so that none runs alone at the end.
 const LONGEST: [&str; 6] = [
     "command",
+    "render",
     "python",
+    "terrella_pack",
     "accuracy",
     "terrella_ground",
-    "render",
-    "model",
 ];
 
 /// Runs all programs, as many at a time as there are CPU cores. Prints the output of those that fail, and the last line of those that pass.
