@@ -21,7 +21,7 @@ fn block_center(block: u32) -> vec2f {
 @if(per_block_tiles)
 fn drawn_block(at: SurfacePoint) -> u32 {
     let block = block_at(at.center_uv + at.uv);
-    let is_tiled = tiles.tiled[block / 32u] >> (block % 32u) & 1u;
+    let is_tiled = (tiles.tiled[block / 32u] >> (block % 32u)) & 1u;
     return select(WHOLE_MAP, PER_BLOCK_TILES + block, is_tiled == 1u);
 }
 

@@ -37,7 +37,7 @@ fn map_placement(layer: u32, at: SurfacePoint) -> MapPlacement {
     let side = f32(1u << depth);
     let cell = vec2u(clamp(floor((at.uv * blocks + 0.5) * side), vec2f(0.0), vec2f(side - 1.0)));
     let index = u32(of_block.x) + (cell.y << depth) + cell.x;
-    let code = tiles.cells[index >> 3u][(index >> 1u) & 3u] >> ((index & 1u) * 16u) & 0xffffu;
+    let code = (tiles.cells[index >> 3u][(index >> 1u) & 3u] >> ((index & 1u) * 16u)) & 0xffffu;
     let part_depth = code >> PART_INDEX_BITS;
     let corner = vec2f(cell >> vec2u(depth - part_depth));
     let parts = f32(1u << part_depth);

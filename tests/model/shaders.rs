@@ -6,6 +6,7 @@ mod backends;
 mod compile;
 mod constants;
 mod limits;
+mod precedence;
 mod structs;
 
 use compile::compiled;
