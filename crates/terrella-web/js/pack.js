@@ -105,10 +105,14 @@ class Pack {
 
 /** The pack that an Earth is drawn with. Another is opened beside it and takes its place. */
 export class ShownPack {
-  /** Its address; null without one. */
+  /** The address that was set last, of a pack that is shown or being opened; null without one. */
   address = null;
   #earth;
-  #pack = null;
+  #shown = null;
+  #shownAddress = null;
+  #opening = null;
+  /** Of the last call that sets a pack. */
+  #turn = null;
   #why = null;
 
   /** `earth` has the functions `globe`, the wasm object or null once it is freed; `ready`, which settles when the page's maps are there; `invalidate`; `send`. */
@@ -116,26 +120,36 @@ export class ShownPack {
     this.#earth = earth;
   }
 
-  /** Draws the pack at an address, or none. Returns its name and attribution; undefined if it was replaced meanwhile. */
+  /** Draws the pack at an address, or none. Returns its name and attribution; undefined if another was set meanwhile. */
   async show(address) {
     const folder = address ? new URL(`${String(address).replace(/\/*$/, "")}/`, document.baseURI).href : null;
     if (folder === this.address) return undefined;
-    this.end();
-    this.address = folder;
+    this.#opening?.end();
     const pack = folder ? new Pack(this.#earth.invalidate, (why) => this.#tell(why)) : null;
-    this.#pack = pack;
-    const isWanted = () => this.#pack === pack && this.address === folder && this.#earth.globe();
+    const turn = {};
+    [this.#opening, this.#turn, this.address] = [pack, turn, folder];
+    const isWanted = () => this.#turn === turn && this.#earth.globe();
+    // Memory of wasm is given back by hand.
+    let tiled = null;
     try {
       // They are drawn where the pack has none.
       await this.#earth.ready().catch(() => {});
       if (!isWanted()) return undefined;
       const about = await pack?.open(folder, this.#earth.globe().hasBc());
       if (!isWanted()) return undefined;
-      const opening = this.#earth.globe().openPack(about?.layout ?? new Uint32Array(), about?.slopeFactor ?? 1);
-      const damaged = await pack?.maps((...band) => opening.band(...band));
-      const earth = await opening.finish();
-      if (!isWanted()) return undefined;
+      tiled = this.#earth.globe().openPack(about?.layout ?? new Uint32Array(), about?.slopeFactor ?? 1);
+      const damaged = await pack?.maps((...band) => tiled.band(...band));
+      // It consumes itself.
+      const made = tiled.finish();
+      tiled = null;
+      const earth = await made;
+      if (!isWanted()) {
+        earth.free();
+        return undefined;
+      }
       this.#earth.globe().showPack(earth);
+      this.#shown?.end();
+      [this.#shown, this.#shownAddress, this.#opening] = [pack, folder, null];
       pack?.attach(this.#earth.globe());
       this.#tell(damaged?.[0] ?? null);
       this.#earth.invalidate();
@@ -143,8 +157,10 @@ export class ShownPack {
       this.#earth.send("pack", detail);
       return detail;
     } catch (error) {
+      tiled?.free();
+      pack?.end();
       if (!isWanted()) return undefined;
-      this.end();
+      [this.#opening, this.address] = [null, this.#shownAddress];
       this.#earth.send("error", error);
       throw error;
     }
@@ -152,14 +168,14 @@ export class ShownPack {
 
   /** Requests what the last frame lacks. */
   follow() {
-    this.#pack?.follow();
+    this.#shown?.follow();
   }
 
-  /** Ends what is going on. The Earth keeps the tiles that it has. */
+  /** Ends what is going on. */
   end() {
-    this.#pack?.end();
-    [this.#pack, this.address] = [null, null];
-    this.#tell(null);
+    this.#shown?.end();
+    this.#opening?.end();
+    [this.#shown, this.#opening, this.#turn] = [null, null, null];
   }
 
   #tell(why) {

@@ -176,6 +176,22 @@ for (const [what, ends, body, words] of [
   check("a removed element leaves no worker", tab.workers().length === 0, `${tab.workers().length}`);
   await tab.context().close();
 }
+{
+  const { tab } = await open(browser, { pack: "pack" });
+  await tab.evaluate(() => window.heard("pack"));
+  await tab.evaluate(() => (document.querySelector("terrella-earth").pack = "nowhere"));
+  const message = await tab.evaluate(() => window.heard("error"));
+  // A place that needs other tiles.
+  await tab.evaluate(() => (document.querySelector("terrella-earth").lon = 60));
+  await tab.evaluate(() => window.sharp());
+  const { address, isSharp } = await tab.evaluate(() => {
+    const { pack, earth } = document.querySelector("terrella-earth");
+    return { address: pack, isSharp: earth.isSharp };
+  });
+  const stays = message.includes("nowhere/pack.toml answered 404") && address.endsWith("/pack/") && isSharp && tab.workers().length === 1;
+  check("another pack that is not there: the message names it, and the first stays and streams", stays, `${message} ${address} ${isSharp}`);
+  await tab.context().close();
+}
 await browser.close();
 site.close();
 end();
