@@ -8,6 +8,8 @@ import common/air.wgsl;
 import common/displayed.wgsl;
 @if(!inside) import rust::AIR_TOP;
 import rust::{GLOW_DAY_SIN, GLOW_NIGHT_SIN, PI};
+@if(shown) import rust::LUMINANCE;
+@if(exposed) import rust::LUMINANCE;
 @if(airglow) import common/air/airglow.wgsl;
 @if(airglow) import rust::AIRGLOW_HEIGHTS;
 @if(aurora) import common/air/aurora.wgsl;
@@ -64,9 +66,28 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     var light = vec3f(0.0);
     @if(airglow) light += airglow(ray, pixel, far);
     @if(aurora) light += aurora(ray, angle, far);
+    light = as_photographed(light);
     // Another dither pattern than that of the background, and none where there is no light.
     let shown = displayed(glow.gain * light, air.exposure, in.clip.yx + 0.5);
     return vec4f(select(vec3f(0.0), shown, max(light.r, light.g) > 0.0), 0.0);
+}
+
+// A camera's sensors overlap, so that it records no line as pure as it is: white is mixed in until the darkest channel has a fixed part of the brightest. The
+// luminance is kept. Measured light is not changed.
+@if(!shown && !exposed)
+fn as_photographed(light: vec3f) -> vec3f {
+    return light;
+}
+@else
+fn as_photographed(light: vec3f) -> vec3f {
+    let most = max(light.r, max(light.g, light.b));
+    let least = min(light.r, min(light.g, light.b));
+    let grey = dot(light, LUMINANCE);
+    let pale = 0.3;
+    let lacks = pale * most - least;
+    // What the darkest channel gains on the brightest by white.
+    let gain = grey - least + pale * (most - grey);
+    return mix(light, vec3f(grey), saturate(lacks / max(gain, 1e-30)));
 }
 
 struct GlowRay {

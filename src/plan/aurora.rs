@@ -1,6 +1,6 @@
 //! The aurora: position and brightness of its oval, and its uniforms.
 
-use super::glow::{GREEN_LINE, RED_LINE, shown};
+use super::glow::{GREEN_LINE, Line, RED_LINE, line, shown};
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3, Vec4};
 use std::f64::consts::TAU;
@@ -37,6 +37,13 @@ const OVAL_RADIUS_M: f64 = 6.481e6;
 const GREEN_R_M2_W: f64 = 1.5e6;
 /// Ratio of the emission at 630.0 nm to that at 557.7 nm, for electrons of 1 to 2 keV (Rees and Luckey 1974, J. Geophys. Res. 79, 5181).
 const RED_PER_GREEN: f64 = 0.25;
+/// First negative bands of ionised nitrogen, relative to the emission at 557.7 nm. Electrons of some keV give 0.23 kR of 427.8 nm per mW/m² (Rees and
+/// Luckey 1974), and the bands 0–0, 0–1 and 0–2 have the ratio 1 : 0.31 : 0.065 (Vallance Jones 1974, Aurora).
+const NITROGEN_PER_GREEN: [Line; 3] = [
+    line(391.4, [0.0052, 0.0002, 0.0246], 0.49),
+    line(427.8, [0.2534, 0.0097, 1.2330], 0.153),
+    line(470.9, [0.1858, 0.0949, 1.2434], 0.032),
+];
 
 /// Angular frequencies of structures that drift along the oval, rad/s: folds of curtains at some hundred metres a second, rays at a kilometre.
 const FOLDS_RAD_S: [f64; 4] = [2e-4, -8e-4, 4.1e-3, 2.6e-2];
@@ -77,7 +84,9 @@ impl AuroraUniforms {
         let noon = sun_itrf - pole * sun_itrf.dot(pole);
         let oval = Oval::new(kp);
         let rayleighs = oval.rayleighs(kp);
-        let green = GREEN_LINE.of_rayleighs(rayleighs);
+        // Nitrogen shines where electrons stop, a little below the green light.
+        let [violet, indigo, blue] = NITROGEN_PER_GREEN.map(|band| band.times(rayleighs));
+        let green = [GREEN_LINE.of_rayleighs(rayleighs), violet, indigo, blue];
         let red = RED_LINE.of_rayleighs(RED_PER_GREEN * rayleighs);
         let (center_sin, center_cos) = CENTER_DEG.to_radians().sin_cos();
         // Phases are computed in f64: seconds since 2000 have no fractions left in f32.
@@ -93,7 +102,7 @@ impl AuroraUniforms {
                 .unwrap_or_else(|| pole.any_orthonormal_vector())
                 .as_vec3(),
             outer: oval.outer_rad as f32,
-            green: shown(&[green]).as_vec3(),
+            green: shown(&green).as_vec3(),
             center_sin: center_sin as f32,
             red: shown(&[red]).as_vec3(),
             center_cos: center_cos as f32,
@@ -191,6 +200,17 @@ mod tests {
         assert!((0.2..2.0).contains(&mean(0.0)), "{}", mean(0.0));
         assert!((2.0..5.0).contains(&mean(3.0)), "{}", mean(3.0));
         assert!((8.0..30.0).contains(&mean(9.0)), "{}", mean(9.0));
+    }
+
+    /// Linear sRGB of these four lines by colour-science 0.4.7, which weighs photons by their energy: 0.2315, 1, 0.1263.
+    #[test]
+    fn green_light_is_paled_by_nitrogen() {
+        let light = AuroraUniforms::new(4.0, None, DVec3::X).green.as_dvec3();
+        let [red, blue] = [light.x, light.z].map(|channel| channel / light.y);
+        assert!(
+            (red - 0.2315).abs() < 5e-3 && (blue - 0.1263).abs() < 5e-3,
+            "{light}"
+        );
     }
 
     #[test]

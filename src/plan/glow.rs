@@ -14,7 +14,7 @@ pub(super) struct Line {
     rayleighs: f64,
 }
 
-const fn line(wavelength_nm: f64, xyz: [f64; 3], rayleighs: f64) -> Line {
+pub(super) const fn line(wavelength_nm: f64, xyz: [f64; 3], rayleighs: f64) -> Line {
     Line {
         wavelength_nm,
         xyz,
@@ -26,6 +26,11 @@ impl Line {
     /// The same line with another column emission.
     pub(super) const fn of_rayleighs(&self, rayleighs: f64) -> Self {
         line(self.wavelength_nm, self.xyz, rayleighs)
+    }
+
+    /// The same line with a multiple of its column emission.
+    pub(super) const fn times(&self, factor: f64) -> Self {
+        self.of_rayleighs(factor * self.rayleighs)
     }
 }
 

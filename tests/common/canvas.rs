@@ -154,10 +154,14 @@ impl Rig {
     }
 
     pub fn draw(&mut self, view: &EyeView, sun_itrf: DVec3) -> (RgbaImage, FrameStats) {
-        let sky = Sky::new(sun_itrf);
+        self.draw_of(view, &Sky::new(sun_itrf))
+    }
+
+    /// The same under any sky.
+    pub fn draw_of(&mut self, view: &EyeView, sky: &Sky) -> (RgbaImage, FrameStats) {
         let stats = self
             .earth
-            .prepare(&gpu().queue, FrameRequest::new(view, &sky, self.size));
+            .prepare(&gpu().queue, FrameRequest::new(view, sky, self.size));
         (self.picture(), stats)
     }
 

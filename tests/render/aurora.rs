@@ -3,7 +3,7 @@
 use crate::common::{Rig, down, plain, tilted};
 use glam::DVec3;
 use terrella::frames::{Duration, Epoch, Geodetic};
-use terrella::{EarthOptions, EyeView, Sky, SurfaceLight};
+use terrella::{EarthOptions, Exposure, EyeView, Sky, SurfaceLight, Tone, exposure_factor};
 
 /// So that half floats hold the night.
 const GAIN: f64 = 1e5;
@@ -21,19 +21,20 @@ fn epoch() -> Epoch {
     "2025-12-21T05:00:00Z".parse().expect("a date")
 }
 
-fn rig(kp: Option<f64>, size: (u32, u32)) -> Rig {
-    Rig::of_light(
-        &EarthOptions {
-            light: SurfaceLight {
-                kp,
-                night_gain: GAIN,
-                night_fades_by_day: false,
-                ..SurfaceLight::default()
-            },
-            ..EarthOptions::new(plain([120, 120, 120]))
+fn options(kp: Option<f64>) -> EarthOptions {
+    EarthOptions {
+        light: SurfaceLight {
+            kp,
+            night_gain: GAIN,
+            night_fades_by_day: false,
+            ..SurfaceLight::default()
         },
-        size,
-    )
+        ..EarthOptions::new(plain([120, 120, 120]))
+    }
+}
+
+fn rig(kp: Option<f64>, size: (u32, u32)) -> Rig {
+    Rig::of_light(&options(kp), size)
 }
 
 fn light_at(kp: Option<f64>, view: &EyeView, size: (u32, u32), epoch: Epoch) -> Vec<[f32; 4]> {
@@ -143,6 +144,42 @@ fn seen_from_the_side_red_stands_above_green() {
     assert!(low.2 > 3.0 * low.1, "{low:?}");
     assert!(high.1 > 20.0 * high.2 && high.1 > 1e-5, "{high:?}");
     assert!(above.1 < 0.2 * high.1, "{above:?}");
+}
+
+/// Cameras record lines paler than they are, but as bright.
+#[test]
+fn a_picture_has_no_pure_green_and_its_luminance() {
+    let (view, size) = (over(64.0, 8e5, 3.0), (8, 8));
+    let luminance = |[red, green, blue]: [f64; 3]| 0.2126 * red + 0.7152 * green + 0.0722 * blue;
+    let mean = |texels: &[[f64; 3]]| {
+        let sum = |channel: usize| texels.iter().map(|texel| texel[channel]).sum::<f64>();
+        [0, 1, 2].map(|channel| sum(channel) / texels.len() as f64)
+    };
+    let measured: Vec<_> = light(Some(5.0), &view, size)
+        .iter()
+        .map(|[red, green, blue, _]| [red, green, blue].map(|value| f64::from(*value)))
+        .collect();
+    let measured = mean(&measured);
+    let ev = -luminance(measured).log2() - 2.0;
+    let mut options = options(Some(5.0));
+    options.tone = Tone::Linear;
+    options.exposure = Exposure::Ev(ev);
+    let sky = Sky {
+        epoch: Some(epoch()),
+        ..Sky::new(midnight())
+    };
+    let (picture, _) = Rig::new(&options, size).draw_of(&view, &sky);
+    let decode = |code: u8| (f64::from(code) / 255.0).powf(2.2);
+    let shown: Vec<_> = picture
+        .pixels()
+        .map(|pixel| [0, 1, 2].map(|channel| decode(pixel.0[channel])))
+        .collect();
+    let shown = mean(&shown);
+    let pale = |light: [f64; 3]| light[2] / light[1];
+    assert!(pale(measured) < 0.15, "{measured:?}");
+    assert!((pale(shown) - 0.3).abs() < 0.03, "{shown:?}");
+    let kept = luminance(shown) / (luminance(measured) * exposure_factor(ev));
+    assert!((kept - 1.0).abs() < 0.05, "{kept}");
 }
 
 #[test]

@@ -61,22 +61,48 @@ fn in_pass(options: &EarthOptions, (view, sky): &(EyeView, Sky)) -> RgbaImage {
     rig.draw_complete(view, sky.sun_itrf).0
 }
 
+/// Lines of the airglow as a camera records them: mixed with white of their luminance until the darkest channel has 0.3 of the brightest.
+fn as_photographed(line: DVec3) -> DVec3 {
+    let grey = line.dot(DVec3::new(0.2126, 0.7152, 0.0722));
+    let share = |white: f64| {
+        let mixed = line.lerp(DVec3::splat(grey), white);
+        mixed.min_element() - 0.3 * mixed.max_element()
+    };
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        match share(middle) < 0.0 {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    line.lerp(DVec3::splat(grey), high)
+}
+
 /// Codes of the light itself by the curve's twin on the processor, not rounded.
 fn codes(options: &EarthOptions, (view, sky): &(EyeView, Sky)) -> Vec<DVec3> {
-    let light = Rig::of_light(options, SIZE).draw_light(view, sky.sun_itrf);
+    let drawn = |options: &EarthOptions| {
+        let texels = Rig::of_light(options, SIZE).draw_light(view, sky.sun_itrf);
+        let light =
+            |[red, green, blue, _]: [f32; 4]| DVec3::from([red, green, blue].map(f64::from));
+        texels.into_iter().map(light).collect::<Vec<_>>()
+    };
+    let mut without_glow = options.clone();
+    without_glow.light.airglow = false;
+    let light = drawn(options).into_iter().zip(drawn(&without_glow));
     let Exposure::Ev(ev) = options.exposure else {
         panic!("a fixed exposure");
     };
     let factor = exposure_factor(ev);
-    let code = |light: &[f32; 4]| {
-        let [red, green, blue, _] = light.map(f64::from);
-        let shown = options.tone.shown(factor * DVec3::new(red, green, blue));
+    let code = |(all, rest): (DVec3, DVec3)| {
+        let glow = (all - rest).max(DVec3::ZERO);
+        let shown = options.tone.shown(factor * (rest + as_photographed(glow)));
         shown.map(|value| match value <= 0.003_130_8 {
             true => 255.0 * 12.92 * value,
             false => 255.0 * (1.055 * value.powf(1.0 / 2.4) - 0.055),
         })
     };
-    light.iter().map(code).collect()
+    light.map(code).collect()
 }
 
 fn furthest(picture: &RgbaImage, codes: &[DVec3]) -> f64 {
