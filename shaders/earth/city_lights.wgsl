@@ -1,8 +1,10 @@
 // City lights as points of constant light: each a normal distribution on the ground, as wide as its lamps are spread and blurred by about half a
 // pixel, so that a point has the same brightness everywhere and at any size of the image. Wide ones are uneven.
 //
+// The air scatters a part of the light, LAMP_GLOW, which the ground's own pass draws by the map.
+//
 // They are seen through clouds and air. Everything except the distribution and its grains is computed per corner.
-import rust::{CITY_LIGHT_RADIUS_M, LAMPS_OUT_SIN, PI};
+import rust::{CITY_LIGHT_RADIUS_M, LAMP_GLOW, LAMPS_OUT_SIN, PI};
 @if(clouds) import rust::CLOUD_ALBEDO;
 import earth/shading/lamps.wgsl;
 import earth/surface_point/on_whole_map.wgsl;
@@ -104,7 +106,7 @@ fn vertex(@builtin(vertex_index) index: u32, in: CityLight) -> Varying {
 
     // Solid angle of a pixel there.
     let pixel = pixel_area * ahead * ahead * ahead;
-    let radiance = frame.lamp_light * lamps_on(mu_s) * in.light * facing / (distance * distance * pixel);
+    let radiance = (1.0 - LAMP_GLOW) * frame.lamp_light * lamps_on(mu_s) * in.light * facing / (distance * distance * pixel);
     out.light = radiance / (2.0 * PI * sqrt(area)) * in.color.rgb * left_to_eye(at);
 
     out.radius_m = radius_m;

@@ -214,7 +214,7 @@ impl SurfaceMaker {
             };
             let city_lights = all.lights_as_points().filter(|_| config.city_lights);
             if city_lights.is_some() {
-                all = all.without_night_map();
+                all = all.below_points().unwrap_or(all);
             }
             let interpolated = all.interpolated().filter(|_| config.interpolates_air);
             // Cells are classified for whole maps only; tiles show more.
@@ -362,6 +362,7 @@ fn output(maps: &MapArrangement, config: &SurfaceConfig<'_>, air: Option<AirSide
             },
             normals,
             night_lights: maps.has(MapLayer::NightLights),
+            lamps_as_points: false,
             water: maps.has(MapLayer::Water),
             eclipse: false,
             interpolated: false,

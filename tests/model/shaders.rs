@@ -212,6 +212,7 @@ const LAYERS: SunlitLayers = SunlitLayers {
     clouds: true,
     normals: true,
     night_lights: true,
+    lamps_as_points: false,
     water: true,
     effects: EFFECTS,
     eclipse: true,
@@ -386,6 +387,25 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
                 air: None,
                 ..LAYERS
             }),
+        ),
+        (
+            ["lamps_apart", "value_noise"],
+            sunlit(
+                BLOCKS,
+                SunlitLayers {
+                    night_lights: true,
+                    effects: LightEffects::of(&[LightEffect::Detail]),
+                    ..none
+                },
+            ),
+            sunlit(
+                BLOCKS,
+                SunlitLayers {
+                    lamps_as_points: true,
+                    night_lights: true,
+                    ..none
+                },
+            ),
         ),
         (
             ["origin_from_anchor_m", "height_m"],

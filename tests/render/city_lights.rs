@@ -76,6 +76,17 @@ fn points_are_as_bright_as_the_map_from_everywhere() {
     }
 }
 
+/// Half of an optical depth of 0.25.
+#[test]
+fn between_points_is_what_the_air_scatters() {
+    let [points, map] = [true, false].map(|as_points| {
+        let options = options(Atmosphere::None, None, as_points);
+        let light = Rig::of_light(&options, SIZE).draw_light(&from(4e5, 30.0), DVec3::NEG_X);
+        light.iter().map(|texel| texel[1]).fold(f32::MAX, f32::min)
+    });
+    assert!((points / map - 0.125).abs() < 0.005, "{}", points / map);
+}
+
 #[test]
 fn a_point_is_as_bright_in_pictures_of_any_size() {
     let points = options(Atmosphere::None, None, true);

@@ -24,7 +24,7 @@ use super::error::ImageryError;
 use super::layer::LayerImage;
 use super::map_folder::MapFolder;
 use by_cell::{COARSEST_TEXELS, CellPoints, LightSource};
-pub use lamps::LAMP_COLOR;
+pub use lamps::{LAMP_COLOR, LAMP_GLOW};
 use map_light::MapLight;
 pub use places::{MAX_PLACES, PLACES_FILE, Place, PlacesError, read_places};
 use point::EARTH_M;

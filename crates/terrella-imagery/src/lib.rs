@@ -68,8 +68,8 @@ pub mod tile;
 
 pub use albedo::{CLOUD_ALBEDO, MapAlbedo, NEIGHBOURHOODS, NeighbourhoodAlbedo};
 pub use cities::{
-    CITY_CELLS, CityCell, CityLight, CityLights, FINENESSES, LAMP_COLOR, LEAST_LIGHT, MAX_PLACES,
-    PLACES_FILE, Place, PlacesError, read_places,
+    CITY_CELLS, CityCell, CityLight, CityLights, FINENESSES, LAMP_COLOR, LAMP_GLOW, LEAST_LIGHT,
+    MAX_PLACES, PLACES_FILE, Place, PlacesError, read_places,
 };
 pub use detail_tile::{
     DETAIL_MEAN, DETAIL_SLOPE_STEP, DETAIL_STEP, DetailTileError, detail_tile, supply_detail_tile,

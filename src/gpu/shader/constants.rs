@@ -16,7 +16,7 @@ use terrella_ground::light::{self, Bloom, DiffractionPattern, agx};
 use terrella_imagery::tile::{MAP_LAYERS, MapLayer, TILE_BORDER};
 use terrella_imagery::{
     CLOUD_ALBEDO, CityLight, DETAIL_MEAN, DETAIL_SLOPE_STEP, DETAIL_STEP, FLOOR_SEEN_M, LAMP_COLOR,
-    NEIGHBOURHOODS,
+    LAMP_GLOW, NEIGHBOURHOODS,
 };
 
 /// Size limit of the cells of blocks with parts, in vectors of four words, each word with two cells. Together with the other placement data this
@@ -125,6 +125,7 @@ const SHARED: &[(&str, Value)] = &[
     ("LAMPS_OUT_SIN", F32(LAMPS_OUT_SIN)),
     ("LAMPS_FULL_SIN", F32(LAMPS_FULL_SIN)),
     ("LAMP_COLOR", Vec3(LAMP_COLOR_RGB)),
+    ("LAMP_GLOW", F32(LAMP_GLOW)),
     ("CITY_LIGHT_RADIUS_M", F32(CityLight::MOST_RADIUS_M)),
     ("FLOOR_SEEN_M", F32(FLOOR_SEEN_M)),
     ("DETAIL_STEP", F32(DETAIL_STEP as f64)),

@@ -83,6 +83,8 @@ pub struct SunlitLayers {
     pub normals: bool,
     /// City lights.
     pub night_lights: bool,
+    /// Points draw the city lights; of the map only what air scatters is left.
+    pub lamps_as_points: bool,
     /// Open water.
     pub water: bool,
     /// The effects of [`LightEffect::OF_SURFACE`]; without clouds there are no cloud shadows.
@@ -147,6 +149,7 @@ impl EarthVariant {
             let shows_by_night = layers.night_lights || has_moonlight;
             shows_by_night.then_some(SunlitLayers {
                 night_lights: false,
+                lamps_as_points: false,
                 effects: layers.effects.without(LightEffect::Moonlight),
                 ..layers
             })
@@ -225,15 +228,15 @@ impl EarthVariant {
         }
     }
 
-    /// The variant without the map of city lights.
-    pub fn without_night_map(self) -> Self {
-        let without = self.with_sunlit(|layers| {
+    /// The variant of ground under points of light; `None` if there are none over this variant.
+    pub fn below_points(self) -> Option<Self> {
+        self.lights_as_points()?;
+        self.with_sunlit(|layers| {
             Some(SunlitLayers {
-                night_lights: false,
+                lamps_as_points: true,
                 ..layers
             })
-        });
-        without.unwrap_or(self)
+        })
     }
 
     /// City lights as points, behind the layers that lie in front of the ground.
@@ -316,6 +319,7 @@ impl EarthOutput {
                 clouds: on(bits, 0),
                 normals: on(bits, 1),
                 night_lights: on(bits, 2),
+                lamps_as_points: false,
                 water: on(bits, 3),
                 eclipse: on(bits, 4),
                 interpolated: false,
@@ -445,6 +449,7 @@ impl ShaderVariant for EarthVariant {
         let mut open_sea: Vec<_> = open_sea.filter_map(|v| Some(v.of_one_kind()?.1)).collect();
         open_sea.sort_unstable();
         open_sea.dedup();
+        let below_points: Vec<_> = all.iter().filter_map(|v| v.below_points()).collect();
         let city_lights = outputs_of_city_lights().map(Self::of_city_lights);
         let mut overhead: Vec<_> = SWITCH
             .into_iter()
@@ -453,7 +458,7 @@ impl ShaderVariant for EarthVariant {
         overhead.sort_unstable();
         overhead.dedup();
         let all = all.into_iter().chain(interpolated);
-        let all = all.chain(open_sea).chain(city_lights);
+        let all = all.chain(open_sea).chain(below_points).chain(city_lights);
         all.chain(overhead).collect()
     }
 
@@ -532,6 +537,7 @@ impl ShaderVariant for EarthVariant {
             ("clouds", layers.clouds),
             ("normals", layers.normals),
             ("night_lights", layers.night_lights),
+            ("lamps_as_points", layers.lamps_as_points),
             ("water", layers.water),
             ("eclipse", layers.eclipse),
             ("interpolated", layers.interpolated),

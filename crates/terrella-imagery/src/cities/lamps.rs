@@ -5,6 +5,10 @@ use crate::srgb::luminance;
 /// Colour that maps of lights are drawn in, linear RGB.
 pub const LAMP_COLOR: [f32; 3] = [1.0, 0.72, 0.38];
 
+/// Light that the air over lamps adds, relative to theirs: a hemisphere of light, scattered evenly by a vertical optical depth of τ, gives τ/2 of its
+/// radiance to a view from above. τ is 0.25 at 550 nm. The light arrives from some kilometres around.
+pub const LAMP_GLOW: f64 = 0.125;
+
 /// Luminance of every lamp's colour; no channel of any is above 1 then.
 const LAMP_LUMINANCE: f32 = 0.5;
 /// How many times more light a lamp of these colours has where it takes the place of a map's.
