@@ -6,7 +6,7 @@
 @if(encode) import common/color.wgsl;
 @if(exposed) import rust::BRIGHTEST_EXPOSED;
 @if(shown) import rust::LAST_CODE;
-@if(camera) import rust::{LUMINANCE, TONE_CAMERA_HALF_RAISED, TONE_CAMERA_SATURATION, TONE_CAMERA_STRAIGHT, TONE_CAMERA_TOE, TONE_CAMERA_TOE_LEAST, TONE_CAMERA_WHITE};
+@if(camera) import rust::{LUMINANCE, TONE_CAMERA_HALF_RAISED, TONE_CAMERA_HAZE, TONE_CAMERA_SATURATION, TONE_CAMERA_STRAIGHT, TONE_CAMERA_TOE, TONE_CAMERA_TOE_LEAST, TONE_CAMERA_WHITE};
 @if(neutral) import rust::{TONE_NEUTRAL_DESATURATION, TONE_NEUTRAL_START};
 @if(agx) import rust::{TONE_AGX_CONTRAST_HIGH, TONE_AGX_CONTRAST_LOW, TONE_AGX_CONTRAST_LEAST, TONE_AGX_DISPLAY_POWER, TONE_AGX_FROM_X, TONE_AGX_FROM_Y, TONE_AGX_FROM_Z, TONE_AGX_INSET_X, TONE_AGX_INSET_Y, TONE_AGX_INSET_Z, TONE_AGX_LEAST_LOG, TONE_AGX_MOST_LOG, TONE_AGX_OUTSET_X, TONE_AGX_OUTSET_Y, TONE_AGX_OUTSET_Z};
 @if(filmic) import rust::{TONE_FILMIC_A, TONE_FILMIC_B, TONE_FILMIC_C, TONE_FILMIC_D, TONE_FILMIC_E, TONE_FILMIC_SCALE};
@@ -35,7 +35,11 @@ fn toned(light: vec3f, exposure: f32) -> vec3f {
 fn camera(light: vec3f) -> vec3f {
     // Beyond a thousand times white the curve is saturated, and squares could leave f32's range.
     let x = min(light, vec3f(1000.0));
-    let cleared = x * (x + TONE_CAMERA_TOE_LEAST * TONE_CAMERA_TOE) / (x + TONE_CAMERA_TOE);
+    // How much of the colour is that of haze.
+    let other = max(x.r, x.g);
+    let lack = (other - x.b) / max(x.b + other, 1e-30);
+    let toe = mix(vec3f(TONE_CAMERA_TOE.r), TONE_CAMERA_TOE, 1.0 - smoothstep(0.0, TONE_CAMERA_HAZE, lack));
+    let cleared = x * (x + TONE_CAMERA_TOE_LEAST * toe) / (x + toe);
     let raised = cleared * (sqrt(cleared) + TONE_CAMERA_STRAIGHT);
     let shown = TONE_CAMERA_WHITE * raised / (raised + TONE_CAMERA_HALF_RAISED);
     return max(mix(vec3f(dot(shown, LUMINANCE)), shown, TONE_CAMERA_SATURATION), vec3f(0.0));

@@ -144,6 +144,7 @@ const SHARED: &[(&str, Value)] = &[
     ("GRAIN_SHIFT", U32(light::GRAIN_SHIFT)),
     ("RESPONSE_SAMPLES", U32(light::Response::SAMPLES as u32)),
     ("TONE_CAMERA_TOE", Vec3(light::CAMERA_TOE)),
+    ("TONE_CAMERA_HAZE", F32(light::CAMERA_HAZE)),
     ("TONE_CAMERA_TOE_LEAST", F32(light::CAMERA_TOE_LEAST)),
     ("TONE_CAMERA_STRAIGHT", F32(light::CAMERA_STRAIGHT)),
     ("TONE_CAMERA_HALF_RAISED", F32(light::CAMERA_HALF_RAISED)),

@@ -1,7 +1,7 @@
 //! Slope of display values over light, which determines how visible an error of light is.
 
 use super::srgb::encoded;
-use super::tone::CAMERA_SATURATION;
+use super::tone::{CAMERA_SATURATION, CAMERA_TOE, camera_with_toe};
 use super::{Grade, Tone};
 use glam::{DVec3, Mat3, Vec3};
 
@@ -28,12 +28,20 @@ impl DisplaySlope {
     pub fn of(tone: Tone, grade: &Grade) -> Self {
         let shown = |part: usize| {
             let light = (part as f64 / (STEPS * PARTS) as f64 - BELOW as f64).exp2();
-            // Per channel, because their curves differ.
-            (light, tone.shown(DVec3::splat(light)).map(encoded))
+            // Per channel, because their curves differ. The camera's also differ between haze and other light.
+            let light = DVec3::splat(light);
+            let shown = match tone {
+                Tone::Camera => {
+                    [CAMERA_TOE, DVec3::splat(CAMERA_TOE.x)].map(|toe| camera_with_toe(light, toe))
+                }
+                _ => [tone.shown(light); 2],
+            };
+            (light, shown.map(|shown| shown.map(encoded)))
         };
         let slope = |part: usize| {
             let [(a, low), (b, high)] = [shown(part), shown(part + 1)];
-            (high - low) / (b - a)
+            let [first, second] = [0, 1].map(|curve| (high[curve] - low[curve]) / (b - a));
+            first.max(second)
         };
         let steps = 0..(BELOW + ABOVE) * STEPS;
         let slopes = steps.map(|step| {

@@ -49,8 +49,8 @@ pub use response::Response;
 pub use response_text::{MAX_RESPONSE_BYTES, ResponseError};
 pub use tone::Tone;
 pub use tone::{
-    CAMERA_HALF_RAISED, CAMERA_SATURATION, CAMERA_STRAIGHT, CAMERA_TOE, CAMERA_TOE_LEAST,
-    CAMERA_WHITE,
+    CAMERA_HALF_RAISED, CAMERA_HAZE, CAMERA_SATURATION, CAMERA_STRAIGHT, CAMERA_TOE,
+    CAMERA_TOE_LEAST, CAMERA_WHITE,
 };
 pub use tone::{FILMIC, FILMIC_SCALE, NEUTRAL_DESATURATION, NEUTRAL_START};
 pub use white_balance::WhiteBalance;

@@ -14,9 +14,12 @@ pub const FILMIC_SCALE: f64 = 0.6;
 pub const FILMIC: [f64; 5] = [2.51, 0.03, 2.43, 0.59, 0.14];
 
 /// Toe of the camera curve per channel: light x becomes x(x + least·toe)/(x + toe), so the darkest light is multiplied by `least`. Blue
-/// has the largest toe, because atmospheric haze is mostly blue.
+/// has the largest toe, because atmospheric haze is mostly blue. Light that is not blue has the toe of red in all channels, so that
+/// lamps, aurora and sunsets keep their colour.
 pub const CAMERA_TOE: DVec3 = DVec3::new(0.02, 0.035, 0.07);
 pub const CAMERA_TOE_LEAST: f64 = 0.1;
+/// Light is all haze where blue is at least as bright as m, the brighter of red and green, and no haze where (m − b)/(m + b) exceeds this.
+pub const CAMERA_HAZE: f64 = 0.5;
 /// Contrast of the camera curve: x then becomes x(√x + straight), so that night light is not lost.
 pub const CAMERA_STRAIGHT: f64 = 0.04;
 /// Shoulder of the camera curve: white·x/(x + this); half of white is reached at 0.42 before
@@ -89,10 +92,7 @@ impl Tone {
         match self {
             Self::Camera => {
                 let grey = DVec3::splat(shown.dot(LUMINANCE));
-                let curved = grey + (shown - grey) / CAMERA_SATURATION;
-                DVec3::from_array(std::array::from_fn(|channel| {
-                    light_by_camera(curved[channel], CAMERA_TOE[channel])
-                }))
+                light_by_camera(grey + (shown - grey) / CAMERA_SATURATION)
             }
             Self::Neutral => light_by_neutral(shown),
             Self::Linear => shown,
@@ -124,8 +124,28 @@ fn positive_root(a: f64, b: f64, c: f64) -> f64 {
     }
 }
 
-/// Light of one channel that the camera curve displays as this, before its saturation.
-fn light_by_camera(shown: f64, toe: f64) -> f64 {
+/// Light that the camera curve displays as this, before its saturation.
+fn light_by_camera(curved: DVec3) -> DVec3 {
+    let light = |haze: f64| {
+        let toe = camera_toe(haze);
+        DVec3::from_array(std::array::from_fn(|channel| {
+            channel_by_camera(curved[channel], toe[channel])
+        }))
+    };
+    // More haze needs more blue light, which is more haze, but by less: bisection finds the only haze that agrees with its light.
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        match haze(light(middle)) > middle {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    light(0.5 * (low + high))
+}
+
+/// Light of one channel that the camera curve displays as this with a toe, before its saturation.
+fn channel_by_camera(shown: f64, toe: f64) -> f64 {
     let shown = shown.clamp(0.0, 1.0);
     let raised = CAMERA_HALF_RAISED * shown / (CAMERA_WHITE - shown);
     // s³ + straight·s² = raised by Newton from above, where the left side is convex.
@@ -154,8 +174,25 @@ fn light_by_neutral(shown: DVec3) -> DVec3 {
     colored.max(DVec3::ZERO) * (peak / shown_peak)
 }
 
+/// How much of a colour is that of haze, 0 to 1.
+fn haze(light: DVec3) -> f64 {
+    let (other, blue) = (light.x.max(light.y), light.z);
+    let lack = (other - blue) / (blue + other).max(f64::MIN_POSITIVE);
+    let along = (1.0 - lack / CAMERA_HAZE).clamp(0.0, 1.0);
+    along * along * (3.0 - 2.0 * along)
+}
+
+fn camera_toe(haze: f64) -> DVec3 {
+    DVec3::splat(CAMERA_TOE.x).lerp(CAMERA_TOE, haze)
+}
+
 fn camera(light: DVec3) -> DVec3 {
-    let cleared = light * (light + CAMERA_TOE_LEAST * CAMERA_TOE) / (light + CAMERA_TOE);
+    camera_with_toe(light, camera_toe(haze(light)))
+}
+
+/// The camera curve with one toe for all colours.
+pub(super) fn camera_with_toe(light: DVec3, toe: DVec3) -> DVec3 {
+    let cleared = light * (light + CAMERA_TOE_LEAST * toe) / (light + toe);
     let raised = cleared * (cleared.powf(0.5) + CAMERA_STRAIGHT);
     let shown = CAMERA_WHITE * raised / (raised + CAMERA_HALF_RAISED);
     let grey = DVec3::splat(shown.dot(LUMINANCE));
@@ -220,6 +257,34 @@ mod tests {
             "{middle}"
         );
         assert_eq!(Tone::Camera.shown(DVec3::splat(4.0)), DVec3::ONE);
+    }
+
+    /// A town lit by warm white lamps, dim enough for the toe: the curve takes a third of its blue, where the toe of haze takes two thirds.
+    #[test]
+    fn the_camera_takes_haze_out_of_blue_light_and_no_colour_out_of_lamps() {
+        let lamps = DVec3::new(0.10, 0.07, 0.04);
+        let blue = |shown: DVec3| shown.z / shown.x;
+        let kept = blue(Tone::Camera.shown(lamps));
+        let as_haze = blue(camera_with_toe(lamps, CAMERA_TOE));
+        assert!(kept > 2.0 * as_haze, "{kept} {as_haze}");
+        let hazy = DVec3::new(0.03, 0.05, 0.10);
+        let off = Tone::Camera.shown(hazy) - camera_with_toe(hazy, CAMERA_TOE);
+        assert!(off.abs().max_element() < 1e-12, "{off}");
+    }
+
+    /// Bluer light has a larger toe, but is still shown bluer, so that each colour is shown by one light.
+    #[test]
+    fn the_camera_shows_more_blue_with_more_blue() {
+        for level in 0..200 {
+            let other = (f64::from(level) * 0.06 - 12.0).exp2();
+            let mut before = -1.0;
+            for step in 0..400 {
+                let blue = other * (f64::from(step) * 0.01 - 2.0).exp2();
+                let shown = Tone::Camera.shown(DVec3::new(other, other, blue)).z;
+                assert!(shown >= before, "{other} {blue}: {shown}, {before}");
+                before = shown;
+            }
+        }
     }
 
     /// The darkest channel stays the darkest. No colour turns into its opposite, and none leaves the hue sector between its
