@@ -132,9 +132,16 @@ fn light_by_camera(curved: DVec3) -> DVec3 {
             channel_by_camera(curved[channel], toe[channel])
         }))
     };
+    // Most colours are one or the other.
+    for extreme in [0.0, 1.0] {
+        let light = light(extreme);
+        if haze(light) == extreme {
+            return light;
+        }
+    }
     // More haze needs more blue light, which is more haze, but by less: bisection finds the only haze that agrees with its light.
     let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..40 {
+    for _ in 0..20 {
         let middle = 0.5 * (low + high);
         match haze(light(middle)) > middle {
             true => low = middle,
