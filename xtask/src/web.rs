@@ -22,8 +22,11 @@ use toolchain::Toolchain;
 
 /// The backends of pages, each with its own wasm file.
 const BACKENDS: [&str; 2] = ["webgpu", "webgl"];
-/// The reader of packs, a wasm file of its own: its name and its crate.
-const PACKS: (&str, &str) = ("packs", "terrella-web-pack");
+/// Readers that a page loads when it needs them, wasm files of their own: the name and the crate of each.
+const READERS: [(&str, &str); 2] = [
+    ("packs", "terrella-web-pack"),
+    ("scenes", "terrella-web-scene"),
+];
 /// The starter maps that a page uses.
 const MAPS: [&str; 9] = [
     "day.jpg",
@@ -38,13 +41,23 @@ const MAPS: [&str; 9] = [
 ];
 
 /// Files that a page loads, one of each kind.
-const NEEDED: [&str; 6] = [
+const NEEDED: [&str; 7] = [
     "terrella/terrella.js",
     "terrella/earth.js",
     "terrella/webgpu_bg.wasm",
     "terrella/webgl_bg.wasm",
     "terrella/packs_bg.wasm",
+    "terrella/scenes_bg.wasm",
     "terrella/data/air.bin",
+];
+/// Settings with which a scene is drawn as in the page of the test.
+const AS_A_PAGE: [&str; 6] = [
+    "--set",
+    "earth.seasons=false",
+    "--set",
+    "sky.glare=true",
+    "--set",
+    "output.samples=4",
 ];
 /// Parts of the test that one browser program runs, which compares with native pictures.
 const PICTURES: [&str; 4] = ["webgpu", "webgl", "viewer", "none"];
@@ -151,7 +164,13 @@ fn check() -> anyhow::Result<()> {
 
 /// Names of the wasm files.
 fn wasm_parts() -> impl Iterator<Item = &'static str> {
-    BACKENDS.into_iter().chain([PACKS.0])
+    BACKENDS.into_iter().chain(READERS.map(|(name, _)| name))
+}
+
+/// The crate of a reader; `None` for a backend.
+fn reader_crate(part: &str) -> Option<&'static str> {
+    let reader = READERS.into_iter().find(|(name, _)| *name == part);
+    reader.map(|(_, package)| package)
 }
 
 /// A cargo command for a wasm file. Each has its own build folder, because features change the build.
@@ -159,9 +178,9 @@ fn compile(toolchain: &Toolchain, what: &str, part: &str) -> Command {
     let mut command = toolchain.cargo(what);
     command.current_dir(package());
     command.args(["--release", "--locked", "--no-default-features"]);
-    match part == PACKS.0 {
-        true => command.args(["--package", PACKS.1]),
-        false => command.args(["--features", part]),
+    match reader_crate(part) {
+        Some(package) => command.args(["--package", package]),
+        None => command.args(["--features", part]),
     };
     command.arg("--target-dir").arg(target(part));
     command
@@ -197,10 +216,7 @@ fn build(dist: &Path) -> anyhow::Result<()> {
     fs::create_dir_all(&module).with_context(|| module.display().to_string())?;
     for part in wasm_parts() {
         process::run(&mut compile(&toolchain, "build", part))?;
-        let package = match part == PACKS.0 {
-            true => PACKS.1,
-            false => "terrella-web",
-        };
+        let package = reader_crate(part).unwrap_or("terrella-web");
         let file = format!("{}.wasm", package.replace('-', "_"));
         let wasm = target(part)
             .join("wasm32-unknown-unknown/release")
@@ -230,13 +246,19 @@ fn build(dist: &Path) -> anyhow::Result<()> {
 /// Copies the files that are not compiled.
 fn copy_pages(dist: &Path) -> anyhow::Result<()> {
     let (root, package) = (repository_root(), package());
-    for (from, to) in [
-        (package.join("js"), dist.join("terrella")),
-        (package.join("viewer"), dist.to_owned()),
+    let scenes = dist.join("scenes");
+    for (from, to, ending) in [
+        (package.join("js"), dist.join("terrella"), None),
+        (package.join("viewer"), dist.to_owned(), None),
+        (root.join("config"), scenes.clone(), Some("toml")),
+        (root.join("config/orbits"), scenes.join("orbits"), None),
     ] {
         let entries = fs::read_dir(&from).with_context(|| from.display().to_string())?;
         for entry in entries {
             let path = entry.with_context(|| from.display().to_string())?.path();
+            if ending.is_some_and(|ending| path.extension().is_none_or(|own| own != ending)) {
+                continue;
+            }
             let name = path.file_name().unwrap_or_default();
             copy_whole(&path, &to.join(name), false)?;
         }
@@ -333,13 +355,23 @@ fn draw_natively(program: &Path, views: &Path, maps: &Path, to: &Path) -> anyhow
     fs::create_dir_all(to).with_context(|| to.display().to_string())?;
     for view in &views {
         let name = view["name"].as_str().context("a view without a name")?;
-        let scene = to.join(format!("{name}.toml"));
-        write_bytes(&scene, scene_of(view, &maps).as_bytes())?;
         let mut draw = Command::new(program);
-        draw.arg("frame")
-            .arg(&scene)
-            .args(["--size", "640x360", "-o"]);
-        process::run(draw.arg(to.join(format!("{name}.png"))))?;
+        draw.arg("frame").args(["--size", "640x360", "-o"]);
+        draw.arg(to.join(format!("{name}.png")));
+        match view["scene"].as_str() {
+            Some(scene) => {
+                draw.arg(repository_root().join(format!("config/{scene}.toml")));
+                draw.arg("--set")
+                    .arg(format!("earth.textures={}", maps.display()));
+                draw.args(AS_A_PAGE);
+            }
+            None => {
+                let scene = to.join(format!("{name}.toml"));
+                write_bytes(&scene, scene_of(view, &maps).as_bytes())?;
+                draw.arg(scene);
+            }
+        }
+        process::run(&mut draw)?;
     }
     Ok(())
 }
