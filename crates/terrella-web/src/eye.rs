@@ -2,6 +2,7 @@
 
 use crate::orbit_camera::{Globe, OrbitCamera, Screen, pick_from};
 use crate::pose::{Pose, north_of};
+use crate::ride::Ride;
 use glam::{DVec2, DVec3};
 use terrella::EyeView;
 use terrella::frames::{Ellipsoid, Geodetic};
@@ -36,8 +37,10 @@ pub struct Eye {
     camera: OrbitCamera,
     fov_rad: f64,
     grabbed_itrf_m: Option<DVec3>,
-    /// The camera of another program, in place of this one until it is moved.
+    /// The camera of another program or on a satellite, in place of this one until it is moved.
     free: Option<Pose>,
+    /// How it rides on a satellite, until it is moved.
+    ride: Option<Ride>,
 }
 
 const GLOBE: Globe<'static> = Globe {
@@ -77,6 +80,38 @@ impl Eye {
             fov_rad: fov_deg.clamp(FOV_RANGE_DEG.0, FOV_RANGE_DEG.1).to_radians(),
             grabbed_itrf_m: None,
             free: None,
+            ride: None,
+        })
+    }
+
+    /// Rides on a satellite from the next frame on; with `None` the camera stays where it is.
+    pub fn set_ride(&mut self, ride: Option<Ride>) {
+        self.ride = ride;
+    }
+
+    /// How it rides on a satellite.
+    pub fn ride(&self) -> Option<Ride> {
+        self.ride
+    }
+
+    /// Vertical field of view, radians.
+    pub fn fov_rad(&self) -> f64 {
+        self.fov_rad
+    }
+
+    /// The satellite has taken it to a place.
+    pub fn carried(&self, pose: &Pose) -> Self {
+        let at = self.free(
+            pose.eye_itrf_m,
+            pose.forward,
+            pose.up,
+            self.fov_rad.to_degrees(),
+        );
+        // The satellite's place is finite.
+        at.map_or(*self, |eye| Self {
+            ride: self.ride,
+            grabbed_itrf_m: self.grabbed_itrf_m,
+            ..eye
         })
     }
 
@@ -117,6 +152,7 @@ impl Eye {
                 forward,
                 up,
             }),
+            ride: None,
         })
     }
 
@@ -124,6 +160,7 @@ impl Eye {
     fn moved_to(&mut self, camera: OrbitCamera) {
         self.camera = camera;
         self.free = None;
+        self.ride = None;
     }
 
     /// Its current position.

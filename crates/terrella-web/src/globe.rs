@@ -8,6 +8,7 @@ use crate::compact::restore;
 use crate::eye::{Eye, View};
 use crate::maps::Incoming;
 use crate::overlay::Overlay;
+use crate::ride::Ride;
 use crate::thrown;
 use glam::{DVec2, DVec3};
 use pack::PageTiles;
@@ -132,6 +133,7 @@ impl Opening {
             celestial,
             incoming: None,
             eye: eye.ok_or_else(|| thrown("the first view is not finite"))?,
+            followed: 0,
             overlay: Overlay::default(),
             has_sky: true,
             is_complete: true,
@@ -154,6 +156,8 @@ pub struct Globe {
     /// Finer maps that are coming.
     incoming: Option<Incoming>,
     eye: Eye,
+    /// Index of the satellite that the eye rides on.
+    followed: usize,
     overlay: Overlay,
     /// Whether stars and Sun are drawn.
     has_sky: bool,
@@ -281,6 +285,19 @@ impl Globe {
         eye.is_some()
     }
 
+    /// Rides on a satellite: "nadir", "horizon" or "chase"; with another word the camera stays where it is. The next change of the view ends it.
+    #[wasm_bindgen(js_name = setFollow)]
+    pub fn set_follow(&mut self, how: &str, satellite: usize) {
+        self.eye.set_ride(Ride::named(how));
+        self.followed = satellite;
+    }
+
+    /// Whether the camera rides on a satellite.
+    #[wasm_bindgen(js_name = isFollowing)]
+    pub fn is_following(&self) -> bool {
+        self.eye.ride().is_some()
+    }
+
     /// Shows or hides parts of the Earth: clouds, night lights, terrain normals, water, atmosphere, stars and Sun.
     ///
     /// # Errors
@@ -405,6 +422,12 @@ impl Globe {
     /// A canvas that gives no frame.
     pub fn draw(&mut self, unix_ms: f64) -> Result<bool, JsValue> {
         let epoch = Epoch::from_unix_milliseconds(unix_ms);
+        let followed = self.overlay.satellites.get(self.followed);
+        if let (Some(ride), Some(satellite)) = (self.eye.ride(), followed)
+            && let Some(pose) = ride.pose(satellite.feed(), epoch, self.eye.fov_rad())
+        {
+            self.eye = self.eye.carried(&pose);
+        }
         let size = self.canvas.drawn_size();
         let view = self.eye.eye_view(size);
         let (queue, orientation) = (&self.canvas.queue, Orientation::default());

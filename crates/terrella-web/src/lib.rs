@@ -5,6 +5,10 @@
 
 #[cfg_attr(not(target_family = "wasm"), allow(dead_code))]
 mod almanac;
+// The player's cameras on satellites.
+#[allow(dead_code)]
+#[path = "../../terrella-play/src/camera.rs"]
+mod camera;
 #[cfg(target_family = "wasm")]
 mod canvas;
 mod compact;
@@ -28,7 +32,21 @@ mod posted;
 #[cfg_attr(not(target_family = "wasm"), allow(dead_code))]
 mod pushed;
 #[cfg_attr(not(target_family = "wasm"), allow(dead_code))]
+mod ride;
+#[cfg_attr(not(target_family = "wasm"), allow(dead_code))]
 mod satellites;
+/// Choices of scenes that the player's cameras take.
+mod scene {
+    /// What is upwards on screen where the camera looks straight down.
+    #[allow(dead_code)]
+    #[derive(Clone, Copy)]
+    pub enum CameraUp {
+        /// The direction of flight.
+        Flight,
+        /// North.
+        North,
+    }
+}
 #[allow(dead_code)]
 mod tile_layout;
 

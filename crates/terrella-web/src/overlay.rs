@@ -1,7 +1,7 @@
 //! What is drawn over the globe: satellites, stations and lines.
 
 use crate::pushed::{Playback, PushError};
-use crate::satellites::{Satellite, styles};
+use crate::satellites::{MOST, Satellite, ShownTracks, styles};
 use std::time::Duration;
 use terrella::frames::Ellipsoid;
 use terrella::tracks::{
@@ -32,6 +32,8 @@ pub struct Overlay {
     pub satellites: Vec<Satellite>,
     pub stations: Vec<Station>,
     playback: Playback,
+    /// What is drawn of satellites; `None` for the default of their number.
+    shown_tracks: Option<ShownTracks>,
     shown: ShownLines,
     map: VectorMap,
     tracks: Option<Tracks>,
@@ -51,6 +53,23 @@ impl Overlay {
         self.tracks = self.made(device, earth, satellites.len(), &self.stations, self.shown)?;
         self.satellites = satellites;
         self.playback = Playback::default();
+        Ok(())
+    }
+
+    /// Draws these satellites beside the others.
+    ///
+    /// # Errors
+    /// A device that cannot draw them. The others then stay.
+    pub fn add_satellites(
+        &mut self,
+        device: &wgpu::Device,
+        earth: &Earth,
+        mut satellites: Vec<Satellite>,
+    ) -> Result<(), TracksError> {
+        satellites.truncate(MOST.saturating_sub(self.satellites.len()));
+        let count = self.satellites.len() + satellites.len();
+        self.tracks = self.made(device, earth, count, &self.stations, self.shown)?;
+        self.satellites.extend(satellites);
         Ok(())
     }
 
@@ -103,6 +122,30 @@ impl Overlay {
         Ok(())
     }
 
+    /// Draws these parts of satellites; `None` for the default of their number.
+    ///
+    /// # Errors
+    /// A device that cannot draw them. Nothing has then changed.
+    pub fn set_shown_tracks(
+        &mut self,
+        device: &wgpu::Device,
+        earth: &Earth,
+        shown: Option<ShownTracks>,
+    ) -> Result<(), TracksError> {
+        let before = std::mem::replace(&mut self.shown_tracks, shown);
+        let count = self.satellites.len();
+        match self.made(device, earth, count, &self.stations, self.shown) {
+            Ok(tracks) => {
+                self.tracks = tracks;
+                Ok(())
+            }
+            Err(error) => {
+                self.shown_tracks = before;
+                Err(error)
+            }
+        }
+    }
+
     /// Takes coast lines and borders.
     pub fn set_vector_map(&mut self, map: VectorMap) {
         self.map = map;
@@ -148,7 +191,8 @@ impl Overlay {
         if satellites == 0 && stations.is_empty() && ground_lines.is_empty() && !shown.twilight {
             return Ok(None);
         }
-        let mut tracks = Tracks::new(device, &TracksOptions::of(earth), &styles(satellites))?;
+        let styles = styles(satellites, self.shown_tracks);
+        let mut tracks = Tracks::new(device, &TracksOptions::of(earth), &styles)?;
         tracks.set_lines(ground_lines)?;
         tracks.set_stations(stations, 0)?;
         tracks.set_twilight(shown.twilight.then_some(TWILIGHT))?;

@@ -84,23 +84,40 @@ pub fn read(text: &str, name: Option<&str>) -> Result<Vec<Satellite>, OrbitError
     }
 }
 
-/// How so many satellites are drawn.
-pub fn styles(count: usize) -> Vec<TrackStyle> {
-    let style = |index: usize| {
-        let style = TrackStyle {
-            marker: true,
-            ..TrackStyle::new(index)
-        };
-        if count > WITH_TRACKS {
-            return style;
+/// What is drawn of satellites.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShownTracks {
+    pub markers: bool,
+    pub trails: bool,
+    pub ground_tracks: bool,
+    pub subpoints: bool,
+    pub footprints: bool,
+}
+
+impl ShownTracks {
+    /// What is drawn of so many by default.
+    fn of(count: usize) -> Self {
+        let has_tracks = count <= WITH_TRACKS;
+        Self {
+            markers: true,
+            trails: has_tracks,
+            ground_tracks: has_tracks,
+            subpoints: has_tracks,
+            footprints: count == 1,
         }
-        TrackStyle {
-            trail: Some(TrackSpan::TRAIL),
-            ground_track: Some(TrackSpan::GROUND_TRACK),
-            footprint: (count == 1).then_some(Footprint::default()),
-            subpoint: true,
-            ..style
-        }
+    }
+}
+
+/// How so many satellites are drawn; by default without what would hide the globe.
+pub fn styles(count: usize, shown: Option<ShownTracks>) -> Vec<TrackStyle> {
+    let shown = shown.unwrap_or_else(|| ShownTracks::of(count));
+    let style = |index: usize| TrackStyle {
+        marker: shown.markers,
+        trail: shown.trails.then_some(TrackSpan::TRAIL),
+        ground_track: shown.ground_tracks.then_some(TrackSpan::GROUND_TRACK),
+        footprint: shown.footprints.then(Footprint::default),
+        subpoint: shown.subpoints,
+        ..TrackStyle::new(index)
     };
     (0..count).map(style).collect()
 }
@@ -115,8 +132,8 @@ mod tests {
     fn elements_are_read_and_faults_explained() {
         let feeds = read(ISS, None).expect("sound elements");
         assert_eq!(feeds.len(), 1);
-        assert!(styles(1)[0].footprint.is_some());
-        assert!(styles(WITH_TRACKS + 1)[0].trail.is_none());
+        assert!(styles(1, None)[0].footprint.is_some());
+        assert!(styles(WITH_TRACKS + 1, None)[0].trail.is_none());
         assert_eq!(read(ISS, Some("25544")).expect("the number").len(), 1);
         let error = read(ISS, Some("HUBBLE")).err().expect("not there");
         let error = error.to_string();

@@ -2,6 +2,7 @@
 
 use super::Globe;
 use crate::overlay::ShownLines;
+use crate::satellites::ShownTracks;
 use crate::thrown;
 use crate::{almanac, satellites};
 use std::time::Duration;
@@ -33,6 +34,51 @@ impl Globe {
             .set_satellites(device, earth, feeds)
             .map_err(thrown)?;
         Ok(self.names())
+    }
+
+    /// Draws satellites beside those that are there; see [`Self::set_satellites`].
+    ///
+    /// # Errors
+    /// The error in the text, with its line. The satellites are then unchanged.
+    #[wasm_bindgen(js_name = addSatellites)]
+    pub fn add_satellites(
+        &mut self,
+        text: &str,
+        name: Option<String>,
+    ) -> Result<Vec<String>, JsValue> {
+        let feeds = satellites::read(text, name.as_deref()).map_err(thrown)?;
+        let (device, earth) = (&self.canvas.device, &self.earth);
+        self.overlay
+            .add_satellites(device, earth, feeds)
+            .map_err(thrown)?;
+        Ok(self.names())
+    }
+
+    /// Draws these parts of satellites, or, without `isChosen`, what suits their number.
+    ///
+    /// # Errors
+    /// A device that cannot draw them. Nothing has then changed.
+    #[wasm_bindgen(js_name = setTracks)]
+    pub fn set_tracks(
+        &mut self,
+        is_chosen: bool,
+        markers: bool,
+        trails: bool,
+        ground_tracks: bool,
+        subpoints: bool,
+        footprints: bool,
+    ) -> Result<(), JsValue> {
+        let shown = is_chosen.then_some(ShownTracks {
+            markers,
+            trails,
+            ground_tracks,
+            subpoints,
+            footprints,
+        });
+        let (device, earth) = (&self.canvas.device, &self.earth);
+        self.overlay
+            .set_shown_tracks(device, earth, shown)
+            .map_err(thrown)
     }
 
     /// Names of the satellites.
