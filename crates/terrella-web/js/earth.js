@@ -2,10 +2,12 @@
 
 import { Controls } from "./controls.js";
 import { Decoder } from "./decoder.js";
+import { milliseconds, yearFraction } from "./epochs.js";
 import { BACKENDS, MAPS, PREVIEW_MAPS } from "./files.js";
 import { loadBackend, loadLines, loadMaps, mapSources } from "./load.js";
 import { ShownPack } from "./pack.js";
-import { chosenWords, labelObjects, LINES, MAPPED_LINES, passObjects, spanObjects, stationNumbers, wholeStations } from "./marks.js";
+import { ShownScene } from "./shown-scene.js";
+import { chosenWords, labelObjects, LINES, MAPPED_LINES, passObjects, spanObjects, stationNumbers, TRACKS, wholeStations } from "./marks.js";
 
 /** Interval between checks for device faults while nothing is drawn, milliseconds. */
 const FAULT_INTERVAL_MS = 1000;
@@ -32,25 +34,14 @@ async function availableBackend() {
   );
 }
 
-const milliseconds = (epoch) => {
-  const ms = epoch instanceof Date ? epoch.getTime() : typeof epoch === "string" ? (epoch === "now" ? Date.now() : Date.parse(epoch)) : Number(epoch);
-  if (!Number.isFinite(ms)) throw new TypeError(`The epoch ${epoch} is no date; write it as 2026-01-31T12:00:00Z, now or live.`);
-  return ms;
-};
-
-/** The time since the start of its year, as a fraction of it. */
-function yearFraction(ms) {
-  const year = new Date(ms).getUTCFullYear();
-  const start = Date.UTC(year, 0);
-  return (ms - start) / (Date.UTC(year + 1, 0) - start);
-}
-
 /** Milliseconds in an hour. */
 const HOUR = 3_600_000;
 
 /** Parts that can be hidden, in the order of the wasm function. */
 const LAYERS = ["clouds", "lights", "relief", "water", "air", "sky"];
 const LOOKS = ["standard", "full"];
+/** How the camera rides on a satellite. */
+const RIDES = ["nadir", "horizon", "chase"];
 /** With `resolution` "auto": the longest frame, the time without frames after which the picture is sharpened, milliseconds; and the steps. */
 const SLOW_FRAME_MS = 50;
 const STILL_MS = 250;
@@ -89,6 +80,9 @@ export class TerrellaEarth extends EventTarget {
   #names = [];
   #stations = [];
   #lines = [];
+  #tracks = "auto";
+  #ride = "";
+  #scene = new ShownScene(this, () => this.#globe);
   /** Settles when coast lines and borders are there. */
   #vectorMap = null;
   #pack = new ShownPack({
@@ -219,6 +213,24 @@ export class TerrellaEarth extends EventTarget {
     this.invalidate();
   }
 
+  /** How the camera rides on a satellite: "nadir", "horizon", "chase", or "" for a camera over the ground. A change of the view ends it. */
+  get follow() {
+    return this.#alive.isFollowing() ? this.#ride : "";
+  }
+
+  set follow(how) {
+    this.ride(how);
+  }
+
+  /** The same on a satellite of the list. */
+  ride(how, satellite = 0) {
+    const word = how ?? "";
+    if (word && !RIDES.includes(word)) throw new TypeError(`A camera does not follow as ${word}; write ${RIDES.join(", ")} or nothing.`);
+    this.#alive.setFollow(word, Number(satellite));
+    this.#ride = word;
+    this.invalidate();
+  }
+
   /** Hidden parts, an array or text of the words clouds, lights, relief, water, air, sky. */
   get hide() {
     return [...this.#hidden];
@@ -323,6 +335,46 @@ export class TerrellaEarth extends EventTarget {
     this.#names = this.#alive.setSatellites(text, name ?? undefined);
     this.invalidate();
     return this.satellites;
+  }
+
+  /** Draws satellites of a text beside the others. */
+  addSatellites(text, name) {
+    this.#names = this.#alive.addSatellites(text, name ?? undefined);
+    this.invalidate();
+    return this.satellites;
+  }
+
+  /** What is drawn of satellites, an array or text of the words markers, trails, ground-tracks, subpoints, footprints; or "auto", by their number. */
+  get tracks() {
+    return this.#tracks === "auto" ? "auto" : [...this.#tracks];
+  }
+
+  set tracks(tracks) {
+    const isChosen = tracks !== "auto";
+    const chosen = isChosen ? chosenWords(tracks, TRACKS, (part) => `part ${part} of tracks`) : [];
+    this.#alive.setTracks(isChosen, ...TRACKS.map((part) => chosen.includes(part)));
+    this.#tracks = isChosen ? chosen : "auto";
+    this.invalidate();
+  }
+
+  /** Address of the scene that was set last; null without one. */
+  get scene() {
+    return this.#scene.address;
+  }
+
+  set scene(address) {
+    // An event reports its failure too.
+    this.setScene(address).catch(() => {});
+  }
+
+  /** Shows the scene at an address. Returns the keys that a page does not have; undefined if another was set meanwhile. */
+  setScene(address) {
+    return this.#scene.fetch(address);
+  }
+
+  /** Shows a scene's text, whose files are relative to `base`. */
+  showScene(text, base = document.baseURI) {
+    return this.#scene.show(text, base);
   }
 
   /** The epoch of a satellite's elements. */

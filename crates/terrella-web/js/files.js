@@ -49,6 +49,9 @@ export const PACKS = {
   worker: () => new Worker(new URL("./worker-pack.js", import.meta.url), { type: "module" }),
 };
 
+/** The wasm file that reads scenes. */
+export const SCENES = { wasm: new URL("./scenes_bg.wasm", import.meta.url) };
+
 /** Starts a worker, which is the file of this name. */
 export function newWorker(start, file) {
   try {

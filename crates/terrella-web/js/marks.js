@@ -4,6 +4,8 @@
 export const LINES = ["coasts", "borders", "graticule", "twilight"];
 /** Those that come from a file. */
 export const MAPPED_LINES = ["coasts", "borders"];
+/** What is drawn of satellites, likewise. */
+export const TRACKS = ["markers", "trails", "ground-tracks", "subpoints", "footprints"];
 /** Labels by the number of their kind. */
 export const LABEL_KINDS = ["satellite", "station"];
 /** Least elevation of a satellite that a station sees, degrees, by default. */

@@ -64,6 +64,12 @@ export type Layer = "clouds" | "lights" | "relief" | "water" | "air" | "sky";
 /** Lines on the ground. `twilight` is the terminator, and the ends of civil, nautical and astronomical twilight. */
 export type Lines = "coasts" | "borders" | "graticule" | "twilight";
 
+/** What is drawn of satellites. */
+export type TrackPart = "markers" | "trails" | "ground-tracks" | "subpoints" | "footprints";
+
+/** How the camera rides on a satellite: at it, straight down or forwards to the limb, or some metres behind it. */
+export type Ride = "nadir" | "horizon" | "chase";
+
 /** A ground station. */
 export interface Station {
   name?: string;
@@ -147,6 +153,8 @@ export interface TerrellaEarthEventMap {
   complete: CustomEvent<null>;
   /** An imagery pack is drawn, or with null none any more. */
   pack: CustomEvent<PackAbout | null>;
+  /** A scene is shown: its keys that a page does not have. */
+  scene: CustomEvent<string[]>;
   /** Why tiles of the pack are missing, or null once they come again. Coarser ones are drawn in their place, and they are requested again. */
   tiles: CustomEvent<string | null>;
   /** A click. */
@@ -213,6 +221,23 @@ export class TerrellaEarth extends EventTarget {
    * one alone; none of an empty text.
    */
   setSatellites(text: string, name?: string): string[];
+  /** Draws satellites of a text beside the others. */
+  addSatellites(text: string, name?: string): string[];
+  /** What is drawn of satellites, or "auto", by their number, which is the default. Takes text with blanks between the words too. */
+  get tracks(): TrackPart[] | "auto";
+  set tracks(tracks: TrackPart[] | string);
+  /** How the camera rides on the first satellite; "" for a camera over the ground, which every change of the view makes of it. */
+  get follow(): Ride | "";
+  set follow(how: Ride | "" | null);
+  /** The same on a satellite of the list. */
+  ride(how: Ride | "", satellite?: number): void;
+  /** Address of the scene file that was set last; null without one. The event `scene` comes when it is shown, and `error` if it cannot be. */
+  get scene(): string | null;
+  set scene(address: string | URL | null);
+  /** The same with a promise of the keys that a page does not have. It is undefined if another scene was set meanwhile. */
+  setScene(address: string | URL | null): Promise<string[] | undefined>;
+  /** Shows the text of a scene. Addresses of its files are relative to `base`, by default the page. */
+  showScene(text: string, base?: string | URL): Promise<string[] | undefined>;
   /** The epoch of a satellite's elements, or that of its first state. */
   elementsEpoch(index?: number): Date | undefined;
   /**
@@ -298,7 +323,10 @@ export class TerrellaEarthElement extends HTMLElement {
   resolution: number | "auto";
   stations: Station[] | string;
   lines: Lines[] | string;
+  tracks: TrackPart[] | string;
+  follow: Ride | "" | null;
   pack: string | null;
+  scene: string | null;
   /** As that of the Earth; before that is ready the state is dropped. */
   push(packet: Packet | string): string | undefined;
   /** Draws satellites now, or as soon as the Earth is ready. */

@@ -6,7 +6,7 @@ export { TerrellaEarth };
 
 /** Attributes whose changes apply to a live Earth. */
 const VIEW = ["lat", "lon", "altitude", "heading", "pitch", "fov"];
-const LIVE = [...VIEW, "epoch", "rate", "exposure", "look", "hide", "resolution", "stations", "lines", "pack"];
+const LIVE = [...VIEW, "epoch", "rate", "exposure", "look", "hide", "resolution", "stations", "lines", "tracks", "follow", "pack", "scene"];
 /** Limit on labels: more would hide the globe. */
 const MAX_LABELS = 50;
 /** Estimated width of a letter of a label, and the height of a line, pixels of the page: a name that would cover another moves a line, or is left out. */
@@ -156,7 +156,7 @@ export class TerrellaEarthElement extends HTMLElement {
         },
       });
       this.#earth = earth;
-      for (const type of ["frame", "viewchange", "complete", "pack", "pick", "tiles"]) {
+      for (const type of ["frame", "viewchange", "complete", "pack", "pick", "scene", "tiles"]) {
         earth.addEventListener(type, (event) => this.dispatchEvent(new CustomEvent(type, { detail: event.detail })));
       }
       earth.addEventListener("frame", () => this.#writeNames(canvas));
@@ -222,7 +222,8 @@ export class TerrellaEarthElement extends HTMLElement {
     this.addEventListener(
       "ready",
       () => {
-        Object.assign(this.#earth, { ...kept, view });
+        // A changed view ends a ride.
+        Object.assign(this.#earth, { view, ...kept });
       },
       { once: true },
     );

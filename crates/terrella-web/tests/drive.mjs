@@ -63,17 +63,22 @@ function readable() {
   };
 }
 
-/** Runs in the page: draws a view, and compares it with the native picture of its name. */
+/** Runs in the page: draws a view or a scene, and compares it with the native picture of its name. */
 async function compare({ view, picture, limit }) {
   const element = document.querySelector("terrella-earth");
   const { earth } = element;
   const canvas = element.shadowRoot.querySelector("canvas");
   const { lat, lon, altitude, heading, pitch, fov } = view;
-  earth.view = { lat, lon, altitude, heading, pitch, fov };
-  earth.exposure = view.exposure;
   earth.rate = 0;
   earth.resolution = 1;
-  earth.epoch = view.epoch;
+  if (view.scene) {
+    const missing = await earth.setScene(`scenes/${view.scene}.toml`);
+    if (missing.length) return { error: `not in a page: ${missing.join(", ")}` };
+  } else {
+    earth.view = { lat, lon, altitude, heading, pitch, fov };
+    earth.exposure = view.exposure;
+    earth.epoch = view.epoch;
+  }
   const begin = performance.now();
   earth.draw();
   const first = performance.now() - begin;
@@ -185,6 +190,7 @@ async function pictures(backend) {
       check(`${backend}: ${view.name} as natively`, isGood, numbers);
       if (found.file) fs.writeFileSync(path.join(out, `${backend}-${view.name}.png`), Buffer.from(found.file.split(",")[1], "base64"));
     }
+    await scenes(backend, tab, said);
     await instruments(backend, tab);
     await page(backend, tab);
     // It makes further elements, and the hook reads the canvas that was configured last.
@@ -194,6 +200,58 @@ async function pictures(backend) {
   }
   check(`${backend}: the console is free of errors`, said.length === 0, said.slice(0, 3).join(" | "));
   await browser.close();
+}
+
+/** Scenes: what a page has of them, a camera that a drag takes off its satellite, and faults. */
+async function scenes(backend, tab, said) {
+  const before = said.length;
+  const found = await tab.evaluate(async () => {
+    const { earth } = document.querySelector("terrella-earth");
+    const error = async (shown) => shown.then(() => "", (error) => error.message);
+    const missing = await earth.setScene("scenes/stations.toml");
+    const stations = { missing, names: earth.stations.map(({ name }) => name), lines: earth.lines.join(), tracks: earth.tracks.join(), satellites: earth.satellites, view: earth.view };
+    await earth.setScene("scenes/iss.toml");
+    const { rate } = earth;
+    earth.rate = 0;
+    earth.draw();
+    const ridden = { follow: earth.follow, altitude: earth.view.altitude, rate, after: earth.epoch - Date.parse("2018-01-14T13:06:40Z") };
+    earth.epoch = earth.epoch.getTime() + 600_000;
+    const before = earth.view;
+    earth.draw();
+    const moved = Math.hypot(earth.view.lat - before.lat, earth.view.lon - before.lon);
+    earth.tilt(0, 5);
+    const after = earth.follow;
+    const faults = {
+      toml: await error(earth.showScene("[time\n")),
+      key: await error(earth.showScene("camera.lat_deg = 100")),
+      file: await error(earth.showScene("orbit.file = \"nowhere.tle\"")),
+      address: await error(earth.setScene("scenes/nothing.toml")),
+    };
+    const kept = earth.satellites;
+    const last = [earth.setScene("scenes/omm.toml"), earth.setScene("scenes/minimal.toml")];
+    const [first, second] = await Promise.all(last);
+    const raced = { first, second, hidden: earth.hide.length };
+    Object.assign(earth, { hide: [], tracks: "auto", lines: [], stations: [], exposure: "auto" });
+    earth.setSatellites("");
+    return { stations, ridden, moved, after, faults, kept, raced };
+  });
+  const { stations, ridden, faults, raced } = found;
+  const isShown = stations.names.join() === "Peldehue,Malargüe,Kourou" && stations.lines === "graticule,coasts,borders" && stations.tracks === "markers,ground-tracks";
+  check(`${backend}: a scene has its stations, lines and satellite`, isShown && stations.missing.length === 0 && stations.satellites.join() === "ISS (ZARYA)", JSON.stringify(stations));
+  check(`${backend}: its camera is over the ground`, Math.abs(stations.view.lat + 19) < 1e-9 && Math.abs(stations.view.altitude - 8e6) < 1, JSON.stringify(stations.view));
+  const isRidden = ridden.follow === "horizon" && ridden.altitude > 3.9e5 && ridden.altitude < 4.3e5 && ridden.rate === 180 && ridden.after >= 0 && ridden.after < 60_000;
+  check(`${backend}: a camera rides on its satellite`, isRidden && found.moved > 20, `${JSON.stringify(ridden)}, ${found.moved}° in ten minutes`);
+  check(`${backend}: a change of the view ends the ride`, found.after === "");
+  check(`${backend}: a text that is no scene names its line`, faults.toml.includes("line 1"), faults.toml);
+  check(`${backend}: a wrong value names its key`, faults.key.includes("camera.lat_deg"), faults.key);
+  check(`${backend}: a missing file of orbits is named`, faults.file.includes("nowhere.tle"), faults.file);
+  check(`${backend}: a missing scene is named`, faults.address.includes("nothing.toml answered 404"), faults.address);
+  check(`${backend}: a faulty scene changes nothing`, found.kept.join() === "ISS (ZARYA)", found.kept.join());
+  check(`${backend}: of two scenes the last is shown`, raced.first === undefined && Array.isArray(raced.second) && raced.hidden === 6, JSON.stringify(raced));
+  await tab.evaluate(() => (document.querySelector("terrella-earth").shadowRoot.querySelector(".message").textContent = ""));
+  // The browser reports missing files too.
+  const others = said.splice(before).filter((line) => !line.includes("404"));
+  said.push(...others);
 }
 
 /** Pointer, wheel, keys and touch; and nothing is drawn when nothing moves. */
@@ -435,6 +493,39 @@ async function viewer(backend) {
   await browser.close();
 }
 
+/** Scenes in the viewer: of the address, of the list, and of a file. */
+async function viewedScenes(backend) {
+  const { browser, tab, said, outcome } = await open(backend, "/#scene=stations&lat=-25&rate=1", true);
+  check(`${backend}: the viewer with a scene is ready`, !outcome.error, outcome.error);
+  const earth = (read) => tab.evaluate(`(({ earth }) => ${read})(document.querySelector("terrella-earth"))`);
+  await tab.waitForFunction(() => document.querySelector("terrella-earth").earth.stations.length === 3);
+  await tab.waitForFunction(() => document.querySelector("terrella-earth").earth.rate === 1);
+  const view = await earth("earth.view");
+  check(`${backend}: a link with a scene has its camera, but for what the link says`, Math.abs(view.lat + 25) < 1e-9 && Math.abs(view.altitude - 8e6) < 1, JSON.stringify(view));
+  const boxes = await tab.locator("#lines input:checked").count();
+  check(`${backend}: boxes of lines are those of the scene`, boxes === 3, boxes);
+  await tab.locator("#share").click();
+  const hash = await tab.evaluate(() => location.hash);
+  check(`${backend}: the link holds the scene`, hash.includes("scene=stations"), hash);
+  await tab.locator("#scene").selectOption("night_europe");
+  await tab.waitForFunction(() => document.querySelector("terrella-earth").earth.look === "full");
+  await tab.waitForFunction(() => document.querySelector("#notice").textContent.includes("Not in a page"));
+  const chosen = { view: await earth("earth.view"), stations: await earth("earth.stations.length"), notice: await tab.locator("#notice").textContent() };
+  check(`${backend}: a scene of the list is shown`, chosen.view.lat === 40 && chosen.stations === 0 && chosen.notice.includes("earth.night_gain"), JSON.stringify(chosen));
+  await tab.waitForTimeout(1500);
+  await shoot(tab, `${backend}-viewer-scene`);
+  const drop = (text) => tab.locator("#file").setInputFiles({ name: "a.toml", mimeType: "text/plain", buffer: Buffer.from(text) });
+  await drop('[camera]\nmode = "nadir"\n[orbit]\nfile = "orbits/molniya.tle"\nname = "MOLNIYA 1-53"\n');
+  await tab.waitForFunction(() => document.querySelector("terrella-earth").earth.follow === "nadir");
+  const ridden = await earth("earth.satellites.join()");
+  check(`${backend}: a scene of a file finds orbits beside the list's`, ridden === "MOLNIYA 1-53", ridden);
+  await drop("camera.fov_deg = 400");
+  await tab.waitForFunction(() => document.querySelector("#notice").textContent.includes("camera.fov_deg"));
+  check(`${backend}: a faulty scene is explained`, true);
+  check(`${backend}: the console is free of errors with scenes`, said.length === 0, said.slice(0, 3).join(" | "));
+  await browser.close();
+}
+
 /** The viewer's station, passes, time line and lines. */
 async function instrumented(backend, tab) {
   const station = async (text) => {
@@ -488,6 +579,11 @@ fs.mkdirSync(out, { recursive: true });
 const only = (process.env.ONLY ?? "webgpu,webgl,viewer,none").split(",");
 const backends = ["webgpu", "webgl"].filter((backend) => only.includes(backend));
 for (const backend of backends) await pictures(backend);
-if (only.includes("viewer")) for (const backend of backends.length ? backends : ["webgpu"]) await viewer(backend);
+if (only.includes("viewer")) {
+  for (const backend of backends.length ? backends : ["webgpu"]) {
+    await viewer(backend);
+    await viewedScenes(backend);
+  }
+}
 if (only.includes("none")) await none();
 end();

@@ -1,4 +1,4 @@
-// The viewer: the globe, a time line, satellites from a file, a station with its passes, lines, an imagery pack, and a link that stores all of these.
+// The viewer: the globe, a time line, scenes, satellites from a file, a station with its passes, lines, an imagery pack, and a link that stores all of these.
 
 import "./terrella/terrella.js";
 
@@ -22,15 +22,20 @@ const MASK = 10;
 let middle = Date.now();
 let elements = "";
 
+/** Address of a shipped scene. Files of dropped scenes are looked for beside them. */
+const sceneAddress = (name) => new URL(`scenes/${name}.toml`, document.baseURI);
+
 const notice = (text) => {
   $("notice").textContent = text;
 };
 
+/** What the address holds. */
+const state = new URLSearchParams(location.hash.slice(1));
+const sharedView = VIEW.map((key) => [key, Number(state.get(key) ?? NaN)]).filter(([, value]) => Number.isFinite(value));
+
 /** Restores view, instant, speed and satellites from the address. */
 function restore() {
-  const state = new URLSearchParams(location.hash.slice(1));
-  const view = VIEW.filter((key) => state.has(key)).map((key) => [key, Number(state.get(key))]);
-  for (const [key, value] of view) if (Number.isFinite(value)) element.setAttribute(key, value);
+  for (const [key, value] of sharedView) element.setAttribute(key, value);
   const t = Date.parse(state.get("t") ?? "");
   if (Number.isFinite(t)) middle = t;
   element.setAttribute("epoch", new Date(middle).toISOString());
@@ -38,6 +43,9 @@ function restore() {
   $("rate").value = [...$("rate").options].some((option) => Number(option.value) === rate) ? String(rate) : "0";
   element.setAttribute("rate", $("rate").value);
   elements = state.get("elements") ?? "";
+  // A name that is no scene chooses none.
+  $("scene").value = state.get("scene") ?? "";
+  $("scene").selectedIndex = Math.max($("scene").selectedIndex, 0);
   $("station").value = state.get("station") ?? "";
   $("pack").value = state.get("pack") ?? "";
   const lines = (state.get("lines") ?? "").split(" ");
@@ -99,10 +107,12 @@ function showStation() {
 
 function link() {
   const { view } = element.earth;
-  const state = new URLSearchParams(VIEW.map((key) => [key, view[key].toFixed(DIGITS[key])]));
+  // A camera on a satellite has no view of its own.
+  const state = new URLSearchParams(element.earth.follow ? [] : VIEW.map((key) => [key, view[key].toFixed(DIGITS[key])]));
   state.set("t", new Date(element.epoch).toISOString());
   state.set("rate", element.rate);
   if (elements && elements.length <= LINK_TEXT) state.set("elements", elements);
+  if ($("scene").value) state.set("scene", $("scene").value);
   if ($("station").value) state.set("station", $("station").value);
   if ($("pack").value) state.set("pack", $("pack").value);
   if (checkedLines().length) state.set("lines", checkedLines().join(" "));
@@ -131,16 +141,58 @@ function setTime(ms, isMiddle = true) {
   if (isMiddle) showBands();
 }
 
-const readFile = async (file) => showSatellites(await file.text());
+/** Shows a scene: an address, or a text whose files stand beside the shipped scenes. */
+async function showScene(scene) {
+  const { earth } = element;
+  try {
+    const missing = scene instanceof URL ? await earth.setScene(scene) : await earth.showScene(scene, sceneAddress("dropped"));
+    if (!missing) return;
+    elements = "";
+    $("station").value = "";
+    const names = missing.length > 4 ? `${missing.slice(0, 4).join(", ")} and ${missing.length - 4} more` : missing.join(", ");
+    notice(missing.length ? `Not in a page: ${names}.` : "");
+    for (const box of lineBoxes()) box.checked = earth.lines.includes(box.value);
+    $("pack").value = earth.pack ?? "";
+    const rates = [...$("rate").options].map((option) => Number(option.value));
+    // The nearest rate of the list.
+    earth.rate = rates.reduce((best, rate) => (Math.abs(rate - earth.rate) < Math.abs(best - earth.rate) ? rate : best));
+    $("rate").value = String(earth.rate);
+    setTime(earth.epoch.getTime());
+  } catch {
+    // The event has the error.
+  }
+}
+
+async function readFile(file) {
+  const text = await file.text();
+  if (!file.name.endsWith(".toml")) return showSatellites(text);
+  $("scene").value = "";
+  return showScene(text);
+}
+
+/** Shows the scene of the address, with the view and the instant that stand beside it. */
+async function restoreScene() {
+  const [t, rate] = [Date.parse(state.get("t") ?? ""), state.get("rate")];
+  await showScene(sceneAddress($("scene").value));
+  if (sharedView.length) element.earth.view = Object.fromEntries(sharedView);
+  if (Number.isFinite(t)) setTime(t);
+  if (rate === null) return;
+  $("rate").value = rate;
+  element.rate = Number($("rate").value);
+}
 
 restore();
 /** After a lost device the element restores itself. */
 element.addEventListener("ready", start, { once: true });
 
 function start() {
-  showStation();
-  if (elements) showSatellites(elements);
-  element.lines = checkedLines();
+  if ($("scene").value) restoreScene();
+  else {
+    showStation();
+    if (elements) showSatellites(elements);
+    element.lines = checkedLines();
+  }
+  $("scene").addEventListener("change", () => $("scene").value && showScene(sceneAddress($("scene").value)));
   $("station").addEventListener("change", showStation);
   const showPack = () => {
     element.pack = $("pack").value.trim();
