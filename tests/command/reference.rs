@@ -14,14 +14,16 @@ fn arguments<'a>(scene: &'a str, more: &[&'a str]) -> Vec<&'a str> {
 #[test]
 fn a_reference_still_looks_like_the_drawn_one_and_tells_its_numbers() {
     let place = Place::new();
-    place.succeed(&arguments("small.toml", &["--stats", "a.json"]));
-    assert_eq!(png_size(&place.path("a.png")), (64, 36));
+    let size = ["--size", "32x18"];
+    let more = [&size[..], &["--stats", "a.json"]].concat();
+    place.succeed(&arguments("small.toml", &more));
+    assert_eq!(png_size(&place.path("a.png")), (32, 18));
     assert_eq!(place.names(), ["a.json", "a.png", "small.toml"]);
     let text = std::fs::read_to_string(place.path("a.json")).expect("reads");
     let stats: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     assert_eq!(stats["renderer"], "reference");
     assert_eq!(stats["samples"], 2);
-    assert_eq!(stats["size"], serde_json::json!([64, 36]));
+    assert_eq!(stats["size"], serde_json::json!([32, 18]));
     let width = crate::DAY_WIDTH;
     assert_eq!(stats["day_width"], width);
     assert_eq!(
@@ -34,7 +36,7 @@ fn a_reference_still_looks_like_the_drawn_one_and_tells_its_numbers() {
     let ground = stats["ground"].as_f64().expect("a number");
     assert!((0.2..0.9).contains(&ground), "{ground}");
     assert!(stats["frame_ms"].as_f64().expect("a number") > 0.0);
-    place.succeed(&["frame", "small.toml", "-o", "b.png"]);
+    place.succeed(&[&["frame", "small.toml", "-o", "b.png"][..], &size].concat());
     let open = |name| image::open(place.path(name)).expect("opens").to_rgb8();
     let (reference, drawn) = (open("a.png"), open("b.png"));
     let apart = reference.iter().zip(drawn.iter());
@@ -43,16 +45,13 @@ fn a_reference_still_looks_like_the_drawn_one_and_tells_its_numbers() {
     assert!(mean < 6.0, "{mean} of 255 apart");
     assert!(reference.pixels().any(|pixel| pixel[2] > 60));
     // The same again is the same file.
-    place.succeed(&[
-        "frame",
-        "small.toml",
-        "-o",
-        "c.png",
-        "--renderer",
-        "reference",
-        "--samples",
-        "2",
-    ]);
+    let again = [
+        &["frame", "small.toml", "-o", "c.png"][..],
+        &size,
+        &REFERENCE,
+    ]
+    .concat();
+    place.succeed(&again);
     let read = |name| std::fs::read(place.path(name)).expect("reads");
     assert_eq!(read("a.png"), read("c.png"));
 }
@@ -97,14 +96,14 @@ fn without_any_adapter_the_reference_draws() {
             .output()
             .expect("the command starts")
     };
-    let output = run(&["frame", "small.toml", "-o", "a.png", "--size", "16x9"]);
+    let output = run(&["frame", "small.toml", "-o", "a.png", "--size", "8x4"]);
     assert_eq!(output.status.code(), Some(0), "{}", words(&output));
     assert!(
         words(&output).contains("reference renderer"),
         "{}",
         words(&output)
     );
-    assert_eq!(png_size(&place.path("a.png")), (16, 9));
+    assert_eq!(png_size(&place.path("a.png")), (8, 4));
     // An adapter that was requested by name is not replaced.
     let output = run(&["frame", "small.toml", "-o", "b.png", "--adapter", "any"]);
     assert_eq!(output.status.code(), Some(1), "{}", words(&output));
