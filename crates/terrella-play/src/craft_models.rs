@@ -18,6 +18,8 @@ pub struct CraftModels {
     places: Vec<Option<usize>>,
     /// For each satellite, too.
     attitudes: Vec<Attitude>,
+    /// Those of files, each once: checked in each frame, of thousands of satellites.
+    files: Vec<Attitude>,
 }
 
 impl CraftModels {
@@ -30,10 +32,14 @@ impl CraftModels {
             let source = &orbit.craft.attitude;
             let attitude = match read.get(source) {
                 Some(attitude) => attitude.clone(),
-                None => read
-                    .entry(source)
-                    .or_insert(Attitude::open(source)?)
-                    .clone(),
+                None => {
+                    let attitude = Attitude::open(source)?;
+                    if matches!(attitude, Attitude::File(_)) {
+                        all.files.push(attitude.clone());
+                    }
+                    read.insert(source, attitude.clone());
+                    attitude
+                }
             };
             let attitude = match (attitude, orbit.craft.spin) {
                 (Attitude::Rule(rule), Some(spin)) => {
@@ -79,8 +85,8 @@ impl CraftModels {
     /// # Errors
     /// The first epoch at which one is unknown, and the time span of its file.
     pub fn check_span(&self, first: Epoch, last: Epoch) -> Result<(), AttitudeError> {
-        let mut attitudes = self.attitudes.iter();
-        attitudes.try_for_each(|attitude| attitude.check_span(first, last))
+        let mut files = self.files.iter();
+        files.try_for_each(|file| file.check_span(first, last))
     }
 
     /// All models.

@@ -34,6 +34,11 @@ pub struct Flight {
     satellites: Vec<Satellite>,
     /// The one of `satellites` that cameras fly with.
     followed: usize,
+    /// The first of them that a running simulation moves, and the first of a saved one. They are found once, as each frame asks for them.
+    pub(crate) simulated: Option<usize>,
+    pub(crate) recorded: Option<usize>,
+    /// Whether a simulator sends the states of any.
+    is_live: bool,
     models: CraftModels,
     orientation: Option<EarthOrientation>,
     ellipsoid: Ellipsoid,
@@ -143,9 +148,13 @@ impl Flight {
         for notice in &scene.notices {
             tracing::warn!("{}: {notice}", scene.path.display());
         }
+        let position = |is_wanted: fn(&Satellite) -> bool| satellites.iter().position(is_wanted);
         Ok(Self {
             ellipsoid: scene.earth.figure.ellipsoid(),
             path: CameraPath::new(&scene),
+            simulated: position(|one| one.simulation().is_some()),
+            recorded: position(|one| one.recording().is_some()),
+            is_live: scene.is_live(),
             scene,
             satellites,
             followed,
@@ -265,7 +274,7 @@ impl Flight {
             let latest = simulation.latest().ok_or(PlayError::NoSatellite)?;
             return self.simulated(&latest, request);
         }
-        if !self.scene.is_live() {
+        if !self.is_live {
             self.models.check_span(epoch, epoch)?;
         }
         if let Some(moment) = self.recorded(epoch, request) {
@@ -274,7 +283,7 @@ impl Flight {
         let state = match self.feed().map(|feed| feed.state_at(epoch)) {
             Some(Ok(state)) => Some(motion(&state, &self.orientation_at(epoch))),
             // The ground is there without it, and its simulator may be late.
-            Some(Err(_)) if request.mode == CameraMode::Geodetic && self.scene.is_live() => None,
+            Some(Err(_)) if request.mode == CameraMode::Geodetic && self.is_live => None,
             Some(Err(error)) => return Err(error.into()),
             None => None,
         };
@@ -329,7 +338,7 @@ impl Flight {
             Some(LookTarget::Followed) => state.map(|state| state.position_itrf_m),
             Some(LookTarget::Other(index)) => match self.motion_of(index, epoch) {
                 // Its simulator may be late.
-                Err(_) if self.scene().is_live() => None,
+                Err(_) if self.is_live => None,
                 motion => Some(motion?.position_itrf_m),
             },
             Some(LookTarget::Point(point)) => Some(point),

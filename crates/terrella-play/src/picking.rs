@@ -283,23 +283,34 @@ mod tests {
         let shown = terrella::internals::gpu::FrameTargets::COLOR;
         let mut painter =
             crate::scene_painter::ScenePainter::new(gpu, &options, shown).expect("opens");
-        painter.show_tracks(&flight).expect("tracks");
         let epoch = flight.scene().time.start;
+        // Median of 20 frames.
+        let prepared_ms = |painter: &mut crate::scene_painter::ScenePainter| {
+            let mut times: Vec<_> = (0..20)
+                .map(|second| {
+                    let epoch = epoch + terrella::frames::Duration::from_seconds(f64::from(second));
+                    let began = std::time::Instant::now();
+                    let moment = flight.at(epoch, SIZE.x / SIZE.y).expect("a moment");
+                    painter.prepare(&moment, size, crate::scene_painter::Patience::Live);
+                    began.elapsed().as_secs_f64() * 1e3
+                })
+                .collect();
+            times.sort_by(f64::total_cmp);
+            times[10]
+        };
+        println!(
+            "{:.1} ms to prepare a frame without satellites",
+            prepared_ms(&mut painter)
+        );
+        painter.show_tracks(&flight).expect("tracks");
         let moment = flight.at(epoch, SIZE.x / SIZE.y).expect("a moment");
         painter.prepare(&moment, size, crate::scene_painter::Patience::Live);
         let labels: Vec<_> = painter.markers_near([0.0, 0.0], 1e9).collect();
         println!("{} dots in sight", labels.len());
-        let mut times = Vec::new();
-        for frame in 0..20 {
-            let epoch = epoch + terrella::frames::Duration::from_seconds(f64::from(frame));
-            let moment = flight.at(epoch, SIZE.x / SIZE.y).expect("a moment");
-            let began = std::time::Instant::now();
-            painter.prepare(&moment, size, crate::scene_painter::Patience::Live);
-            times.push(began.elapsed().as_secs_f64() * 1e3);
-        }
-        times.sort_by(f64::total_cmp);
-        println!("{:.1} ms to prepare a frame, median of 20", times[10]);
-        assert!(labels.len() > 5_000);
+        println!(
+            "{:.1} ms to prepare a frame with them",
+            prepared_ms(&mut painter)
+        );
         let mut times = Vec::new();
         let mut found = 0;
         for step in 0..200 {

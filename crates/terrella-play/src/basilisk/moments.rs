@@ -37,16 +37,14 @@ pub(super) fn turn(snapshot: &Snapshot) -> EarthTurn {
 impl Flight {
     /// The simulation that this flight shows, if it runs meanwhile.
     pub fn simulation(&self) -> Option<&Simulation> {
-        self.satellites()
-            .iter()
-            .find_map(|one| one.simulation())
-            .map(Arc::as_ref)
+        let satellite = self.satellites().get(self.simulated?)?;
+        satellite.simulation().map(Arc::as_ref)
     }
 
     /// The same, to be kept beside the flight.
     pub(crate) fn shared_simulation(&self) -> Option<Arc<Simulation>> {
-        let mut satellites = self.satellites().iter();
-        satellites.find_map(|one| one.simulation()).cloned()
+        let satellite = self.satellites().get(self.simulated?)?;
+        satellite.simulation().cloned()
     }
 
     /// The view of an instant of a simulation that was saved; `None` for flights that are no such.
@@ -69,7 +67,7 @@ impl Flight {
 
     /// The saved simulation that this flight shows.
     pub(crate) fn recording(&self) -> Option<&Arc<Recording>> {
-        self.satellites().iter().find_map(|one| one.recording())
+        self.satellites().get(self.recorded?)?.recording()
     }
 
     /// The view of an instant of a simulation.
