@@ -3,6 +3,7 @@
 
 use super::projection::Projection;
 use super::{Georeference, MAX_SIDE, Registration};
+use glam::DVec2;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Maximum samples of a projected grid.
@@ -10,6 +11,11 @@ const MOST_SAMPLES: u64 = 1 << 28;
 
 /// Maximum number of output samples per input sample.
 const MOST_MADE: f64 = 32.0;
+
+/// Half of the places of a row between which projected ones are interpolated.
+const HALF_SPAN: u32 = 16;
+/// Greatest error of the interpolation where it is checked, samples.
+const INTERPOLATION_ERROR: f64 = 1e-4;
 
 /// Border points that are checked on each side.
 const BORDER: u32 = 256;
@@ -198,15 +204,108 @@ impl Warp {
         self.place.west_rad + f64::from(column) * self.place.lon_step_rad
     }
 
-    /// Row and column of a place in the projected grid, from its first sample to its last; `None` outside it.
-    pub fn locate(&self, lat_rad: f64, lon_rad: f64) -> Option<(f64, f64)> {
-        let (row, column) = self.grid.locate(lat_rad, lon_rad);
+    /// Row and column in the projected grid, from its first sample to its last, of each place of a target row; `None` outside it.
+    ///
+    /// They are projected at every [`HALF_SPAN`]th place and interpolated quadratically between, where that is as good; else projected
+    /// one by one.
+    pub fn locate_row(&self, row: u32, places: &mut Vec<Option<(f64, f64)>>) {
+        let lat_rad = self.latitude_rad(row);
+        let exact = |column: u32| {
+            let (row, column) = self.grid.locate(lat_rad, self.longitude_rad(column));
+            DVec2::new(row, column)
+        };
+        places.clear();
+        let columns = self.place.columns;
+        let mut first = 0;
+        let mut at_first = exact(first);
+        while first + 2 * HALF_SPAN < columns {
+            let (middle, last) = (first + HALF_SPAN, first + 2 * HALF_SPAN);
+            let (at_middle, at_last) = (exact(middle), exact(last));
+            let bend = 0.5 * (at_first + at_last) - at_middle;
+            let rise = 0.5 * (at_last - at_first);
+            let between = |column: u32| {
+                let part = f64::from(column) / f64::from(HALF_SPAN)
+                    - f64::from(middle) / f64::from(HALF_SPAN);
+                at_middle + part * (rise + part * bend)
+            };
+            let checked = first + HALF_SPAN / 2;
+            // Not a number, as at a pole, is no good interpolation either.
+            let is_good =
+                (between(checked) - exact(checked)).abs().max_element() < INTERPOLATION_ERROR;
+            let found = (first..last).map(|column| match is_good {
+                true => between(column),
+                false => exact(column),
+            });
+            places.extend(found.map(|at| self.within(at)));
+            (first, at_first) = (last, at_last);
+        }
+        places.extend((first..columns).map(|column| self.within(exact(column))));
+    }
+
+    /// A place of the projected grid, moved from its margin to the outermost samples; `None` outside it.
+    fn within(&self, at: DVec2) -> Option<(f64, f64)> {
         let within = |at: f64, count: u32| at.clamp(0.0, f64::from(count - 1));
-        self.grid.has(row, column).then(|| {
+        self.grid.has(at.x, at.y).then(|| {
             (
-                within(row, self.grid.rows),
-                within(column, self.grid.columns),
+                within(at.x, self.grid.rows),
+                within(at.y, self.grid.columns),
             )
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::elevation::projection::Projection;
+
+    /// Every place of a row is that of its own projection, to a thousandth of a sample.
+    #[test]
+    fn rows_are_where_each_of_their_places_is_projected() {
+        let grid = |projection, east_m, north_m, step_m| ProjectedGrid {
+            projection,
+            columns: 900,
+            rows: 700,
+            east_m,
+            north_m,
+            column_m: step_m,
+            row_m: step_m,
+            margin: 0.5,
+        };
+        let of = |epsg| Projection::of_code(epsg).expect("a projection");
+        let mut interpolated = 0;
+        for grid in [
+            grid(of(32633), 2e5, 6e6, 300.0),
+            grid(of(32760), 4e5, 9e6, 1000.0),
+            // About the pole, and across the date line.
+            grid(of(3413), -2.2e6, 1.7e6, 5000.0),
+        ] {
+            let warp = Warp::of(grid).expect("a resampling");
+            let mut places = Vec::new();
+            for row in (0..warp.place.rows).step_by(37) {
+                warp.locate_row(row, &mut places);
+                assert_eq!(places.len(), warp.place.columns as usize);
+                for (column, place) in (0..).zip(&places) {
+                    let (lat_rad, lon_rad) = (warp.latitude_rad(row), warp.longitude_rad(column));
+                    let exact = grid.locate(lat_rad, lon_rad);
+                    let at = warp.within(exact.into());
+                    if let (Some(place), Some(at)) = (place, at) {
+                        let off = (place.0 - at.0).hypot(place.1 - at.1);
+                        assert!(off < 1e-3, "{row} {column}: {place:?}, not {at:?}");
+                        interpolated += u32::from(off > 0.0);
+                    } else {
+                        // At the edge of the grid.
+                        let edge = |at: f64, count: u32| at.min(f64::from(count - 1) - at).abs();
+                        let off = edge(exact.0, grid.rows).min(edge(exact.1, grid.columns));
+                        let is_same = place.is_none() == at.is_none();
+                        assert!(
+                            is_same || (off - grid.margin).abs() < 1e-3,
+                            "{row} {column}"
+                        );
+                    }
+                }
+            }
+        }
+        assert!(interpolated > 1000, "{interpolated}");
     }
 }

@@ -4,6 +4,7 @@ use crate::error::BuildError;
 use crate::source::{
     FileContext, Opacity, RowSource, SampleKind, SourceInfo, SourceLimits, sample,
 };
+use rayon::prelude::*;
 use terrella_ground::elevation::warp::Warp;
 use terrella_imagery::srgb::{LINEAR_FROM_SRGB, SrgbEncoder};
 
@@ -16,6 +17,9 @@ pub(super) enum Turn {
     SouthFirst,
     Warped(Warp),
 }
+
+/// Texels of a row that are not divided among processors: fewer take less time than that.
+const PARALLEL_TEXELS: usize = 256;
 
 /// A map that is held.
 struct HeldRows {
@@ -91,81 +95,98 @@ impl HeldRows {
 
     /// A row of positions between the projected texels; empty where there are none.
     fn warped(&self, warp: &Warp, row: &mut [u8]) {
-        let size = self.stored.sample.bytes();
-        let texel = self.stored.channels * size;
+        let (stored, held, encoder, is_code) =
+            (self.stored, &self.texels, &self.encoder, self.is_code);
+        let size = stored.sample.bytes();
+        let texel = stored.channels * size;
         let at = |row: usize, column: usize| {
-            &self.texels[(row * self.stored.width as usize + column) * texel..][..texel]
+            &held[(row * stored.width as usize + column) * texel..][..texel]
         };
-        let is_there = |texel: &[u8]| match self.stored.opacity {
+        let is_there = |texel: &[u8]| match stored.opacity {
             Some(_) => texel[texel.len() - size..].iter().any(|byte| *byte != 0),
             None => true,
         };
-        let lat_rad = warp.latitude_rad(self.given);
         let out_bytes = self.info.channels * size;
-        for (column, out) in row.chunks_exact_mut(out_bytes).enumerate() {
-            out.fill(0);
-            let Some((row, column)) = warp.locate(lat_rad, warp.longitude_rad(column as u32))
-            else {
-                continue;
-            };
-            // Two rows and columns at least, of which these are no last ones.
-            let (top, left) = (
-                (row as usize).min(self.stored.height as usize - 2),
-                (column as usize).min(self.stored.width as usize - 2),
-            );
-            let (down, right) = (row - top as f64, column - left as f64);
-            let four = [
-                at(top, left),
-                at(top, left + 1),
-                at(top + 1, left),
-                at(top + 1, left + 1),
-            ];
-            let nearest = four[2 * usize::from(down > 0.5) + usize::from(right > 0.5)];
-            if !is_there(nearest) {
-                continue;
-            }
-            out[..texel].copy_from_slice(nearest);
-            if self.stored.opacity.is_none() {
-                match self.stored.sample {
-                    SampleKind::F32 => out[texel..].copy_from_slice(&1f32.to_ne_bytes()),
-                    _ => out[texel..].fill(0xFF),
-                }
-            }
-            if !self.is_code && four.iter().all(|texel| is_there(texel)) {
-                let parts = [
-                    (1.0 - down) * (1.0 - right),
-                    (1.0 - down) * right,
-                    down * (1.0 - right),
-                    down * right,
+        let mut places = Vec::new();
+        warp.locate_row(self.given, &mut places);
+        let texels = row.par_chunks_exact_mut(out_bytes).zip(&places);
+        texels
+            .with_min_len(PARALLEL_TEXELS)
+            .for_each(|(out, place)| {
+                out.fill(0);
+                let Some((row, column)) = *place else {
+                    return;
+                };
+                // Two rows and columns at least, of which these are no last ones.
+                let (top, left) = (
+                    (row as usize).min(stored.height as usize - 2),
+                    (column as usize).min(stored.width as usize - 2),
+                );
+                let (down, right) = (row - top as f64, column - left as f64);
+                let four = [
+                    at(top, left),
+                    at(top, left + 1),
+                    at(top + 1, left),
+                    at(top + 1, left + 1),
                 ];
-                self.mix(four, parts.map(|part| part as f32), &mut out[..texel]);
-            }
-        }
-    }
-
-    /// Mixes four texels: colours of 8 bits as light, other numbers as they are.
-    fn mix(&self, four: [&[u8]; 4], parts: [f32; 4], out: &mut [u8]) {
-        let (kind, size) = (self.stored.sample, self.stored.sample.bytes());
-        let is_light = kind == SampleKind::U8 && self.stored.channels >= 3;
-        for (channel, out) in out.chunks_exact_mut(size).enumerate() {
-            let is_light = is_light && channel < 3;
-            let values = four.map(|texel| match is_light {
-                true => LINEAR_FROM_SRGB[usize::from(texel[channel])],
-                false => sample(kind, texel, channel),
+                let nearest = four[2 * usize::from(down > 0.5) + usize::from(right > 0.5)];
+                if !is_there(nearest) {
+                    return;
+                }
+                out[..texel].copy_from_slice(nearest);
+                if stored.opacity.is_none() {
+                    match stored.sample {
+                        SampleKind::F32 => out[texel..].copy_from_slice(&1f32.to_ne_bytes()),
+                        _ => out[texel..].fill(0xFF),
+                    }
+                }
+                if !is_code && four.iter().all(|texel| is_there(texel)) {
+                    let parts = [
+                        (1.0 - down) * (1.0 - right),
+                        (1.0 - down) * right,
+                        down * (1.0 - right),
+                        down * right,
+                    ];
+                    mix(
+                        &stored,
+                        encoder,
+                        four,
+                        parts.map(|part| part as f32),
+                        &mut out[..texel],
+                    );
+                }
             });
-            let mixed: f32 = values
-                .iter()
-                .zip(parts)
-                .map(|(value, part)| value * part)
-                .sum();
-            // `as` saturates.
-            match kind {
-                SampleKind::U8 if is_light => out[0] = self.encoder.code(mixed),
-                SampleKind::U8 => out[0] = mixed.round() as u8,
-                SampleKind::U16 => out.copy_from_slice(&(mixed.round() as u16).to_ne_bytes()),
-                SampleKind::I16 => out.copy_from_slice(&(mixed.round() as i16).to_ne_bytes()),
-                SampleKind::F32 => out.copy_from_slice(&mixed.to_ne_bytes()),
-            }
+    }
+}
+
+/// Mixes four texels: colours of 8 bits as light, other numbers as they are.
+fn mix(
+    stored: &SourceInfo,
+    encoder: &SrgbEncoder,
+    four: [&[u8]; 4],
+    parts: [f32; 4],
+    out: &mut [u8],
+) {
+    let (kind, size) = (stored.sample, stored.sample.bytes());
+    let is_light = kind == SampleKind::U8 && stored.channels >= 3;
+    for (channel, out) in out.chunks_exact_mut(size).enumerate() {
+        let is_light = is_light && channel < 3;
+        let values = four.map(|texel| match is_light {
+            true => LINEAR_FROM_SRGB[usize::from(texel[channel])],
+            false => sample(kind, texel, channel),
+        });
+        let mixed: f32 = values
+            .iter()
+            .zip(parts)
+            .map(|(value, part)| value * part)
+            .sum();
+        // `as` saturates.
+        match kind {
+            SampleKind::U8 if is_light => out[0] = encoder.code(mixed),
+            SampleKind::U8 => out[0] = mixed.round() as u8,
+            SampleKind::U16 => out.copy_from_slice(&(mixed.round() as u16).to_ne_bytes()),
+            SampleKind::I16 => out.copy_from_slice(&(mixed.round() as i16).to_ne_bytes()),
+            SampleKind::F32 => out.copy_from_slice(&mixed.to_ne_bytes()),
         }
     }
 }

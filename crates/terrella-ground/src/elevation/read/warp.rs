@@ -37,10 +37,10 @@ impl<'a> Held<'a> {
     ) -> Result<(), E> {
         let warp = self.warp;
         let mut heights_m = vec![0.0; warp.place.columns as usize];
+        let mut places = Vec::new();
         for row in 0..warp.place.rows {
-            let lat_rad = warp.latitude_rad(row);
-            for (height_m, column) in heights_m.iter_mut().zip(0..) {
-                let at = warp.locate(lat_rad, warp.longitude_rad(column));
+            warp.locate_row(row, &mut places);
+            for (height_m, at) in heights_m.iter_mut().zip(&places) {
                 *height_m = at.map_or(f32::NAN, |(row, column)| self.height_m(row, column));
             }
             put(row as usize, 0, &mut heights_m)?;
