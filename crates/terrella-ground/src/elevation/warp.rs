@@ -206,7 +206,7 @@ impl Warp {
 
     /// Row and column in the projected grid, from its first sample to its last, of each place of a target row; `None` outside it.
     ///
-    /// They are projected at every [`HALF_SPAN`]th place and interpolated quadratically between, where that is as good; else projected
+    /// They are projected at every 16th place and interpolated quadratically between, where that is as good; else projected
     /// one by one.
     pub fn locate_row(&self, row: u32, places: &mut Vec<Option<(f64, f64)>>) {
         let lat_rad = self.latitude_rad(row);
