@@ -114,6 +114,15 @@ impl Keys {
         }
     }
 
+    /// Whether something is drawn: `true`, or a table with how, of which the page has the usual values.
+    pub fn is_on(&mut self, key: &str) -> Result<bool, Fault> {
+        match self.value(key) {
+            None | Some(Value::Boolean(false)) => Ok(false),
+            Some(Value::Boolean(true) | Value::Table(_)) => Ok(true),
+            Some(_) => Err(self.wrong(key, "true or false")),
+        }
+    }
+
     pub fn number(&mut self, key: &str, range: RangeInclusive<f64>) -> Result<Option<f64>, Fault> {
         let value = self.value(key);
         let number = value.map(|value| self.number_of(key, &value, range));

@@ -191,10 +191,9 @@ impl PageScene {
     }
 
     fn take_satellites(&mut self, orbits: Vec<Keys>, mut common: Keys) -> Result<(), Fault> {
-        let shown = shown_of(&mut common)?;
-        self.miss(common);
         // All satellites of a page are drawn alike.
-        let mut parts = shown.clone();
+        let mut parts = shown_of(&mut common)?;
+        self.miss(common);
         for mut keys in orbits {
             let source = keys.text("source")?.unwrap_or_else(|| "tle".to_owned());
             let known = FILES.into_iter().chain(OTHER_SOURCES);
@@ -324,11 +323,8 @@ impl PageScene {
             ("borders", "borders"),
             ("terminator", "twilight"),
         ] {
-            match keys.value(key) {
-                None | Some(Value::Boolean(false)) => {}
-                // `{ step_deg = 10 }` too.
-                Some(Value::Boolean(true) | Value::Table(_)) => self.lines.push(lines.to_owned()),
-                Some(_) => return Err(keys.wrong(key, "true or false")),
+            if keys.is_on(key)? {
+                self.lines.push(lines.to_owned());
             }
         }
         self.miss(keys);
@@ -376,11 +372,8 @@ fn shown_of(keys: &mut Keys) -> Result<Vec<String>, Fault> {
         ("subpoint", "subpoints"),
         ("footprint", "footprints"),
     ] {
-        match keys.value(key) {
-            None | Some(Value::Boolean(false)) => {}
-            // `{ before_min = 90 }` too: the page has the usual spans.
-            Some(Value::Boolean(true) | Value::Table(_)) => parts.push(part.to_owned()),
-            Some(_) => return Err(keys.wrong(key, "true or false")),
+        if keys.is_on(key)? {
+            parts.push(part.to_owned());
         }
     }
     Ok(parts)
