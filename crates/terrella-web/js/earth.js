@@ -332,14 +332,16 @@ export class TerrellaEarth extends EventTarget {
 
   /** Draws the satellites of two-line elements or an OMM; only the one of `name`, if given. An empty text removes them. */
   setSatellites(text, name) {
-    this.#names = this.#alive.setSatellites(text, name ?? undefined);
-    this.invalidate();
-    return this.satellites;
+    return this.#takeSatellites(text, name, false);
   }
 
   /** Draws satellites of a text beside the others. */
   addSatellites(text, name) {
-    this.#names = this.#alive.addSatellites(text, name ?? undefined);
+    return this.#takeSatellites(text, name, true);
+  }
+
+  #takeSatellites(text, name, areBeside) {
+    this.#names = this.#alive.setSatellites(text, name ?? undefined, areBeside);
     this.invalidate();
     return this.satellites;
   }

@@ -40,7 +40,7 @@ pub struct Overlay {
 }
 
 impl Overlay {
-    /// Draws these satellites in place of all others.
+    /// Draws these satellites beside the others or in place of all of them.
     ///
     /// # Errors
     /// A device that cannot draw them. The others then stay.
@@ -48,27 +48,17 @@ impl Overlay {
         &mut self,
         device: &wgpu::Device,
         earth: &Earth,
-        satellites: Vec<Satellite>,
-    ) -> Result<(), TracksError> {
-        self.tracks = self.made(device, earth, satellites.len(), &self.stations, self.shown)?;
-        self.satellites = satellites;
-        self.playback = Playback::default();
-        Ok(())
-    }
-
-    /// Draws these satellites beside the others.
-    ///
-    /// # Errors
-    /// A device that cannot draw them. The others then stay.
-    pub fn add_satellites(
-        &mut self,
-        device: &wgpu::Device,
-        earth: &Earth,
         mut satellites: Vec<Satellite>,
+        are_beside: bool,
     ) -> Result<(), TracksError> {
-        satellites.truncate(MOST.saturating_sub(self.satellites.len()));
-        let count = self.satellites.len() + satellites.len();
+        let kept = if are_beside { self.satellites.len() } else { 0 };
+        satellites.truncate(MOST.saturating_sub(kept));
+        let count = kept + satellites.len();
         self.tracks = self.made(device, earth, count, &self.stations, self.shown)?;
+        if !are_beside {
+            self.satellites.clear();
+            self.playback = Playback::default();
+        }
         self.satellites.extend(satellites);
         Ok(())
     }

@@ -14,8 +14,8 @@ use wasm_bindgen::prelude::{JsValue, wasm_bindgen};
 
 #[wasm_bindgen]
 impl Globe {
-    /// Draws the satellites of a text, as [`satellites::read`] takes it, or one of them by name or catalogue number; an empty text draws none. Returns
-    /// their names.
+    /// Draws the satellites of a text, as [`satellites::read`] takes it, or one of them by name or catalogue number: beside those that are there or in
+    /// their place. An empty text has none. Returns the names of all.
     ///
     /// # Errors
     /// The error in the text, with its line. The satellites are then unchanged.
@@ -24,6 +24,7 @@ impl Globe {
         &mut self,
         text: &str,
         name: Option<String>,
+        are_beside: bool,
     ) -> Result<Vec<String>, JsValue> {
         let feeds = match text.trim().is_empty() {
             true => Vec::new(),
@@ -31,25 +32,7 @@ impl Globe {
         };
         let (device, earth) = (&self.canvas.device, &self.earth);
         self.overlay
-            .set_satellites(device, earth, feeds)
-            .map_err(thrown)?;
-        Ok(self.names())
-    }
-
-    /// Draws satellites beside those that are there; see [`Self::set_satellites`].
-    ///
-    /// # Errors
-    /// The error in the text, with its line. The satellites are then unchanged.
-    #[wasm_bindgen(js_name = addSatellites)]
-    pub fn add_satellites(
-        &mut self,
-        text: &str,
-        name: Option<String>,
-    ) -> Result<Vec<String>, JsValue> {
-        let feeds = satellites::read(text, name.as_deref()).map_err(thrown)?;
-        let (device, earth) = (&self.canvas.device, &self.earth);
-        self.overlay
-            .add_satellites(device, earth, feeds)
+            .set_satellites(device, earth, feeds, are_beside)
             .map_err(thrown)?;
         Ok(self.names())
     }
