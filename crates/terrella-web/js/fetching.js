@@ -74,3 +74,8 @@ export async function readBytes(what, source, signal, response, { count = () => 
   }
   return bytes;
 }
+
+/** The bytes of a file that has at most so many. */
+export async function fileBytes(what, source, limit, signal) {
+  return readBytes(what, source, signal, await fetched(what, source, signal), { limit });
+}

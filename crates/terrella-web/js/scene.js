@@ -1,7 +1,7 @@
 // Scene files in a page: read by a wasm file of their own, which is loaded with the first scene.
 
 import start, { PageScene } from "./scenes.js";
-import { fetched, loaded, readBytes, retried } from "./fetching.js";
+import { fileBytes, loaded, retried } from "./fetching.js";
 import { SCENES } from "./files.js";
 
 /** Limits of a scene and of a file of orbits, bytes, as natively. */
@@ -24,8 +24,7 @@ function reader() {
 }
 
 async function fetchedText(what, address, limit) {
-  const bytes = await retried(undefined, async () => readBytes(what, address, undefined, await fetched(what, address), { limit }));
-  return new TextDecoder().decode(bytes);
+  return new TextDecoder().decode(await retried(undefined, () => fileBytes(what, address, limit)));
 }
 
 /** The text of a scene. */

@@ -1,7 +1,7 @@
 // The worker of a pack: fetches its files, checks and decodes them.
 
 import start, { PackReader } from "./packs.js";
-import { fetched, readBytes, retried } from "./fetching.js";
+import { fileBytes, retried } from "./fetching.js";
 
 /** Limit of a manifest, bytes, as natively. */
 const MANIFEST_BYTES = 32 << 20;
@@ -13,11 +13,6 @@ const BLOCKS = 128;
 let reader;
 /** Ends loads of tiles, by their numbers. */
 const aborts = new Map();
-
-/** The bytes of a file that has at most so many. */
-async function fileBytes(what, address, limit, signal) {
-  return readBytes(what, address, signal, await fetched(what, address, signal), { limit });
-}
 
 async function open({ address, wasm, hasBc }) {
   await start({ module_or_path: wasm });
