@@ -83,7 +83,7 @@ fn encoding(bytes: &[u8]) -> Result<Encoding, String> {
     match name.to_ascii_uppercase().as_str() {
         // Of UTF-16 the declaration could not be read byte by byte: it has been converted, and left as it was.
         "UTF-8" | "UTF8" | "US-ASCII" | "ASCII" | "UTF-16" => Ok(Encoding::Utf8),
-        "ISO-8859-1" | "LATIN1" | "L1" => Ok(Encoding::Latin1),
+        "ISO-8859-1" | "ISO_8859-1" | "ISO8859-1" | "LATIN1" | "L1" => Ok(Encoding::Latin1),
         "WINDOWS-1252" | "CP1252" => Ok(Encoding::Windows1252),
         _ => Err(name),
     }

@@ -89,10 +89,11 @@ impl Written {
 
     /// The time of the day and the zone.
     fn time(&mut self, text: &str) -> Option<()> {
-        let (clock, zone) = match text.strip_suffix(['Z', 'z']) {
-            Some(clock) => (clock, "Z".to_owned()),
+        let utc = text.strip_suffix(['Z', 'z']).or(text.strip_suffix(" UTC"));
+        let (clock, zone) = match utc {
+            Some(clock) => (clock.trim_end(), "Z".to_owned()),
             None => match text.rfind(['+', '-']) {
-                Some(at) => (text.get(..at)?, zone(text.get(at..)?)?),
+                Some(at) => (text.get(..at)?.trim_end(), zone(text.get(at..)?)?),
                 None => (text, "Z".to_owned()),
             },
         };

@@ -114,7 +114,7 @@ impl ElementEntries {
             _ => self.0.must("OBJECT_NAME", "", origin)?.value.trim(),
         };
         let catalogue_number = match self.0.get("NORAD_CAT_ID") {
-            Some(entry) => catalogue_number(entry.value.trim()).ok_or_else(|| {
+            Some(entry) => catalogue_number(integer(&entry.value)).ok_or_else(|| {
                 entry.wrong(origin, "a whole number, or a letter and four digits")
             })?,
             None => 0,
@@ -193,9 +193,18 @@ impl ElementEntries {
     }
 }
 
+/// Without a fraction of zeros, with which some programs write whole numbers: `91002.0`.
+fn integer(text: &str) -> &str {
+    let text = text.trim();
+    match text.split_once('.') {
+        Some((whole, "0" | "00" | "")) => whole,
+        _ => text,
+    }
+}
+
 /// Digits only, at most 18.
 fn whole(text: &str) -> Option<u64> {
-    let text = text.trim();
+    let text = integer(text);
     let is_plain = text.len() <= 18 && text.bytes().all(|c| c.is_ascii_digit());
     is_plain.then(|| text.parse().ok()).flatten()
 }
