@@ -249,7 +249,7 @@ fn what_does_not_move_is_passed_over() {
         assert!(
             matches!(
                 read(&document(position)),
-                Err(OrbitError::NoEphemeris { .. })
+                Err(OrbitError::NotRead { kind: "CZML", .. })
             ),
             "{position}"
         );

@@ -93,13 +93,69 @@ fn packets_of_one_id_tell_of_one_object() {
     assert_eq!((samples.interpolation().degree(), samples.len()), (3, 6));
 }
 
+/// Frame and interpolation stand in the first packet of an object, its samples in another.
+#[test]
+fn settings_apply_whichever_packet_they_are_in() {
+    let settings = "\"referenceFrame\":\"INERTIAL\",\"interpolationAlgorithm\":\"LAGRANGE\",\"interpolationDegree\":2";
+    let alone = packet("A", &format!("\"position\":{{{settings}}}"));
+    let curve = "0,7e6,0,0,60,7e6,1e5,0,120,7e6,4e5,0,180,7e6,9e5,0";
+    let samples = packet("A", &position(curve, ""));
+    let together = packet("A", &position(curve, &format!(",{settings}")));
+    let wanted = feeds(&[together]).remove(0).state_at(at(90.0)).unwrap();
+    assert_eq!(wanted.frame, Frame::Gcrf);
+    assert!((wanted.position_m.y - 225_000.0).abs() < 1e-6);
+    for packets in [
+        [alone.clone(), samples.clone()],
+        [samples.clone(), alone.clone()],
+    ] {
+        let state = feeds(&packets).remove(0).state_at(at(90.0)).unwrap();
+        assert_eq!(state, wanted, "{packets:?}");
+    }
+    // An interval that has no value yet is named.
+    let interval = "\"position\":{\"interval\":\"2026-03-01T00Z/2026-03-01T01Z\",\"referenceFrame\":\"INERTIAL\"}";
+    let told = read(&document(&[packet("A", interval), samples])).unwrap();
+    let faults: Vec<_> = told.faults.iter().map(ToString::to_string).collect();
+    assert!(
+        matches!(faults.as_slice(), [one] if one.contains("gives a value for this interval")),
+        "{faults:?}"
+    );
+}
+
+#[test]
+fn documents_without_orbits_say_why() {
+    for (packets, says) in [
+        (
+            vec![packet("A", "\"position\":{\"cartesian\":[7e6,0,0]}")],
+            "sat.czml: CZML with no object that moves",
+        ),
+        (
+            vec![packet("A", "\"position\":{\"cartesian\":\"abc\"}")],
+            "\"\\\"abc\\\"\" is not allowed here; expected an array",
+        ),
+        (
+            vec![packet("A", &position("0,7e6,0,0", ""))],
+            "one state alone, of 2026-03-01T00:00:00.000Z; an orbit needs two or more",
+        ),
+    ] {
+        let error = read(&document(&packets)).unwrap_err().to_string();
+        assert!(error.contains(says), "{error}");
+    }
+    // Neither has an id or a name.
+    let nameless = format!("{{{}}}", position(&line(0..=3), ""));
+    let two = read(&document(&[nameless.clone(), nameless])).unwrap();
+    let error = two.into_one(Path::new("sat.czml"), None).unwrap_err();
+    let error = error.to_string();
+    assert!(error.contains("one without a name (line 2)"), "{error}");
+    assert!(error.ends_with("give each a name in the file"), "{error}");
+}
+
 #[test]
 fn what_is_deleted_is_gone() {
     let moving = packet("a", &position(&line(0..=5), ""));
     let gone = [moving.clone(), packet("a", "\"delete\":true")];
     assert!(matches!(
         read(&document(&gone)),
-        Err(OrbitError::NoEphemeris { .. })
+        Err(OrbitError::NotRead { kind: "CZML", .. })
     ));
     // An object of that id that follows is a new one.
     let again = [
@@ -116,7 +172,7 @@ fn what_is_deleted_is_gone() {
     ];
     assert!(matches!(
         read(&document(&none)),
-        Err(OrbitError::NoEphemeris { .. })
+        Err(OrbitError::NotRead { kind: "CZML", .. })
     ));
     let part = r#""position":{"interval":"2026-03-01T00:02Z/2026-03-01T00:03Z","delete":true}"#;
     let feed = &feeds(&[moving, packet("a", part)])[0];

@@ -98,6 +98,18 @@ fn sets_far_apart_leave_a_gap() {
 }
 
 #[test]
+fn a_wrong_set_of_a_history_costs_itself_alone() {
+    let [first, second, third] = three();
+    let wrong = second.replace("9018", "901x").replacen("  999", "  99x", 1);
+    let catalogue = read(&[first, wrong, third].concat(), false).unwrap();
+    assert!(catalogue.faults.iter().any(|fault| !fault.is_notice()));
+    assert!(!catalogue.is_open_which_is_meant());
+    let other = set("024.50000000", "x0.0000").replace("HIST", "OTHER");
+    let catalogue = read(&[three()[0].clone(), other].concat(), false).unwrap();
+    assert!(catalogue.is_open_which_is_meant());
+}
+
+#[test]
 fn a_set_that_comes_twice_is_one() {
     let [first, ..] = three();
     let twice = read(&format!("{first}{first}"), true).unwrap();

@@ -23,6 +23,7 @@ mod stk;
 mod table;
 mod track;
 mod verification;
+mod wanted;
 
 use std::path::Path;
 use terrella_frames::{Epoch, utc_from_rfc3339};

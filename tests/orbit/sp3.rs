@@ -144,6 +144,34 @@ fn time_systems_are_followed() {
     );
 }
 
+/// Frames are named as Orekit's `IGSUtils` names them.
+#[test]
+fn inertial_frames_are_known_by_their_names() {
+    let plain = header('d', 'P', "GPS");
+    let framed = |name: &str| whole(&plain.replace("IGS14", name), 0..3, &["G01"], false);
+    for (name, frame) in [
+        ("IGS14", Frame::Itrf),
+        ("ITR97", Frame::Itrf),
+        ("     ", Frame::Itrf),
+        ("WGS84", Frame::Itrf),
+        ("GCRF ", Frame::Gcrf),
+        ("EME00", Frame::Eme2000),
+        ("EME2K", Frame::Eme2000),
+        ("J2000", Frame::Eme2000),
+        ("TEME ", Frame::Teme),
+    ] {
+        let feed = read(&framed(name), true).unwrap().feeds.remove(0);
+        let state = feed.state_at(start()).unwrap();
+        assert_eq!(state.frame, frame, "{name}");
+        assert!(state.position_m.distance(ORBIT.state(0.0).0) < 1e-3);
+    }
+    let error = read(&framed("ECI  "), false).unwrap_err().to_string();
+    assert!(
+        error.starts_with("igs.sp3:1:1: the frame = \"ECI\" cannot be used"),
+        "{error}"
+    );
+}
+
 #[test]
 fn zeros_and_manoeuvres_end_a_run() {
     let ids = ["G01", "G02"];

@@ -107,6 +107,25 @@ fn inertial_and_fixed_states_are_read() {
 }
 
 #[test]
+fn times_are_seconds_or_the_file_is_rejected() {
+    let states = rows(0..=20, 1.0, true);
+    let with = |header: &str| file(header, "EphemerisTimePosVel", &states);
+    let seconds = read(&with("TimeFormat EpSec")).unwrap().feeds.remove(0);
+    assert_eq!(seconds.validity().0, start());
+    for format in ["EpMin", "\"EpDay\"", "ISO-YMD"] {
+        let error = read(&with(&format!("TimeFormat {format}"))).unwrap_err();
+        let error = error.to_string();
+        assert!(
+            error.contains("TimeFormat = ") && error.contains("export them as EpSec"),
+            "{error}"
+        );
+    }
+    let one_digit = with("").replace("12:00:00.000000000", "9:30:00");
+    let first = read(&one_digit).unwrap().feeds.remove(0).validity().0;
+    assert_eq!(first, utc("2004-06-01T09:30:00Z"));
+}
+
+#[test]
 fn segments_meet_where_the_motion_jumps() {
     // A time that comes twice.
     let twice = rows(0..=10, 1e3, true) + &rows(10..=20, 1e3, true);

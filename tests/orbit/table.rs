@@ -279,7 +279,8 @@ fn a_table_of_several_satellites_says_in_each_row_whose_it_is() {
     assert_eq!(b.segments()[0].samples.frame(), Frame::Itrf);
     assert_eq!(b.segments()[0].samples.len(), 4);
     // Without a name it is the file's.
-    let unnamed = format!("{header}{}", row("", "GCRF", 0, "7000"));
+    let unnamed = [0, 1].map(|k| row("", "GCRF", k, "7000")).concat();
+    let unnamed = format!("{header}{unnamed}");
     assert_eq!(read(&unnamed).unwrap().name(), "sat");
     for (text, place, says) in [
         (

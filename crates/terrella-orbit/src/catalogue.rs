@@ -176,6 +176,19 @@ impl Catalogue {
         })
     }
 
+    /// Whether a rejected record may be of another satellite than the only one that can be propagated, so that it is open which is meant
+    /// without a name.
+    pub fn is_open_which_is_meant(&self) -> bool {
+        let [only] = self.feeds.as_slice() else {
+            return true;
+        };
+        let elements = only.elements();
+        let own = [&elements.name, &elements.catalogue_number.to_string()];
+        let faults = self.faults.iter().filter(|fault| !fault.is_notice());
+        faults.count() + self.faults_left_out > self.rejected.len()
+            || !self.rejected.iter().all(|record| record.is_only_of(own))
+    }
+
     /// The satellite of that name, letter case aside, or catalogue number; `None` takes the only one there is.
     ///
     /// # Errors

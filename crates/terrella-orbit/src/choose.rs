@@ -16,6 +16,13 @@ pub(super) struct Candidate<'c> {
     pub line: usize,
 }
 
+impl Candidate<'_> {
+    /// Whether nothing in the file says which it is.
+    fn is_nameless(&self) -> bool {
+        self.label.is_empty() && self.key.is_none()
+    }
+}
+
 /// The key of satellites in a file, besides their names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Key {
@@ -73,6 +80,12 @@ pub(super) fn choose(
                     .map(|set| described(set, key))
                     .collect(),
                 remedy: match (wanted, key) {
+                    (None, _) if several.iter().all(|set| set.is_nameless()) => {
+                        "give each a name in the file"
+                    }
+                    (None, Key::Designator) if !has_keys && is_one_name(&several) => {
+                        "they overlap in time: keep one of them in the file"
+                    }
                     (None, _) if is_unnamed => "name one of these numbers",
                     (None, Key::CatalogueNumber) => {
                         "name the satellite or give its catalogue number"
@@ -89,6 +102,12 @@ pub(super) fn choose(
             })
         }
     }
+}
+
+/// Whether all have the same name.
+fn is_one_name(sets: &[&Candidate<'_>]) -> bool {
+    sets.windows(2)
+        .all(|pair| matches!(pair, [one, next] if one.label == next.label))
 }
 
 /// Matches for a name: those whose key is equal; else those whose name is equal; else those whose name or key is equal, letter case aside.
@@ -120,6 +139,7 @@ fn described(set: &Candidate<'_>, key: Key) -> String {
     match (&set.key, key) {
         (Some(id), Key::Id) => format!("{} (id {id:?}, line {})", set.label, set.line),
         (Some(number), _) => format!("{} ({number}, line {})", set.label, set.line),
+        (None, _) if set.label.is_empty() => format!("one without a name (line {})", set.line),
         (None, _) => format!("{} (line {})", set.label, set.line),
     }
 }

@@ -16,6 +16,7 @@ use super::text::json::{Document, Object};
 use position::{Given, Value, each_given, intervals};
 use sampled::{Sampled, at_rest};
 use serde_json::value::RawValue;
+use settings::Settings;
 use spans::{Known, MAX_INTERVALS, Span, Taken, in_order, joined, segments, within};
 use std::collections::HashMap;
 use std::path::Path;
@@ -37,7 +38,7 @@ pub(super) fn each_object(
         objects.packet(&document, value, each)
     });
     // An error that ends the text is one more fault if other objects are valid.
-    read.or_else(|error| each(Found::Corrupt(error)))?;
+    read.or_else(|error| each(Found::corrupt(error)))?;
     objects.finish(&document, each)
 }
 
@@ -59,6 +60,8 @@ struct Thing<'t> {
     pieces: Vec<Piece<'t>>,
     /// Its last position property.
     position: Option<&'t RawValue>,
+    /// Frame and settings that packets without a value have given for the values to come.
+    to_come: (Option<Frame>, Settings),
     /// A fault has been reported: it is not flown.
     is_faulty: bool,
 }
@@ -88,7 +91,7 @@ impl<'t> Objects<'t> {
     ) -> Result<(), RecordError> {
         let packet = match document.object(value, "a packet, which is an object") {
             Ok(packet) => packet,
-            Err(error) => return each(Found::Corrupt(error)),
+            Err(error) => return each(Found::corrupt(error)),
         };
         let text = |key| {
             let entry = document.entry(key, packet.get(key)?)?;
@@ -121,7 +124,7 @@ impl<'t> Objects<'t> {
         match thing.add(document, &packet, each) {
             Err(error) if !thing.is_faulty => {
                 thing.is_faulty = true;
-                each(Found::Corrupt(error))
+                each(Found::Corrupt(thing.names(), error))
             }
             _ => Ok(()),
         }
@@ -149,7 +152,7 @@ impl<'t> Objects<'t> {
                     false => Found::Follower(feed),
                 })?,
                 Ok(None) => {}
-                Err(error) => each(Found::Corrupt(error))?,
+                Err(error) => each(Found::Corrupt(thing.names(), error))?,
             }
         }
         Ok(())
@@ -165,8 +168,15 @@ impl<'t> Thing<'t> {
             availability: None,
             pieces: Vec::new(),
             position: None,
+            to_come: Default::default(),
             is_faulty: false,
         }
+    }
+
+    /// Its identifier and name, as far as it has them.
+    fn names(&self) -> Vec<String> {
+        let id = self.id.as_deref().map(printable);
+        id.into_iter().chain(self.name.clone()).collect()
     }
 
     /// Whether it moves.
@@ -207,17 +217,7 @@ impl<'t> Thing<'t> {
         each: &mut Each<'_>,
     ) -> Result<(), RecordError> {
         let Some(value) = given.value else {
-            // A property without a value changes the interpretation of the existing samples.
-            let meant = self
-                .pieces
-                .iter_mut()
-                .filter(|piece| given.interval.is_none() || piece.interval == given.interval);
-            for piece in meant {
-                if let Motion::Sampled(sampled) = &mut piece.motion {
-                    sampled.settings.update(&given.settings);
-                }
-            }
-            return Ok(());
+            return self.reinterpret(document, &given, each);
         };
         let same = match given.interval {
             None => self.pieces.last_mut().filter(|p| p.interval.is_none()),
@@ -226,7 +226,8 @@ impl<'t> Thing<'t> {
         let motion = match value {
             Value::Deleted => Motion::None,
             Value::Constant(position_m) => {
-                Motion::Still(given.frame.unwrap_or(Frame::Itrf), position_m)
+                let frame = given.frame.or(self.to_come.0);
+                Motion::Still(frame.unwrap_or(Frame::Itrf), position_m)
             }
             Value::Reference(id) => Motion::As(id),
             Value::Samples {
@@ -234,8 +235,9 @@ impl<'t> Thing<'t> {
                 with_velocity,
                 numbers,
             } => {
-                let mut settings = given.settings;
-                let mut frame = given.frame.unwrap_or(Frame::Itrf);
+                let (frame_to_come, mut settings) = self.to_come;
+                settings.update(&given.settings);
+                let mut frame = given.frame.or(frame_to_come).unwrap_or(Frame::Itrf);
                 if let Some(Piece {
                     motion: Motion::Sampled(earlier),
                     ..
@@ -278,6 +280,42 @@ impl<'t> Thing<'t> {
         }
         self.pieces.push(piece);
         Ok(())
+    }
+
+    /// Applies a property without a value: it changes the interpretation of the existing values, and of those to come.
+    fn reinterpret(
+        &mut self,
+        document: &Document<'t>,
+        given: &Given<'t>,
+        each: &mut Each<'_>,
+    ) -> Result<(), RecordError> {
+        let meant =
+            |piece: &&mut Piece<'t>| given.interval.is_none() || piece.interval == given.interval;
+        let mut is_used = given.interval.is_none();
+        for piece in self.pieces.iter_mut().filter(meant) {
+            is_used = true;
+            match &mut piece.motion {
+                Motion::Sampled(sampled) => {
+                    sampled.settings.update(&given.settings);
+                    sampled.frame = given.frame.unwrap_or(sampled.frame);
+                }
+                Motion::Still(frame, _) => *frame = given.frame.unwrap_or(*frame),
+                Motion::None | Motion::As(_) => {}
+            }
+        }
+        if given.interval.is_none() {
+            self.to_come.0 = given.frame.or(self.to_come.0);
+            self.to_come.1.update(&given.settings);
+        }
+        if is_used {
+            return Ok(());
+        }
+        let fault = RecordFault::NotFollowed {
+            key: "position",
+            text: "an interval without a value".to_owned(),
+            why: "no packet before it gives a value for this interval",
+        };
+        each(Found::BadState(document.error(given.place, fault)))
     }
 
     /// The feed of its known positions; `None` if it is fixed.

@@ -36,12 +36,12 @@ impl RecordError {
         )
     }
 
-    /// Whether it only states that nothing is left, which an earlier fault explains.
+    /// Whether it only states that nothing is left, or one state, which an earlier fault explains.
     pub(super) fn is_of_emptiness(&self) -> bool {
         matches!(
             &*self.fault,
             RecordFault::Samples(InterpolationError::Empty)
-                | RecordFault::Segments(SegmentError::Empty)
+                | RecordFault::Segments(SegmentError::Empty | SegmentError::Instant { .. })
         )
     }
 

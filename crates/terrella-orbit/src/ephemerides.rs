@@ -6,8 +6,10 @@ use super::file::read_text;
 use super::found::Found;
 use super::interpolated::EphemerisFeed;
 use super::recognise::{has_elements, message_of_another_kind};
+use super::rejected::{Rejected, Rejections};
 use super::text::{unmarked, with_line_feeds};
 use super::{Feed, FileFormat, OrbitError, czml, ephemeris_csv, oem, omm, sp3, stk};
+use std::collections::HashMap;
 use std::path::Path;
 
 /// The objects of a file of sampled states, in its order.
@@ -25,6 +27,8 @@ pub struct Ephemerides {
     followers: Vec<EphemerisFeed>,
     /// Why the first object that cannot be flown cannot be.
     faulty: Option<RecordError>,
+    /// What cannot be flown, by name.
+    rejected: Vec<Rejected>,
 }
 
 impl Ephemerides {
@@ -71,6 +75,7 @@ impl Ephemerides {
         let mut first_fault = None;
         let mut feeds = Vec::new();
         let (mut followers, mut faulty) = (Vec::new(), None);
+        let mut rejected = Rejections::default();
         let mut each = |found| match found {
             Found::Object(feed) => {
                 feeds.push(feed);
@@ -80,7 +85,8 @@ impl Ephemerides {
                 followers.push(feed);
                 Ok(())
             }
-            Found::Corrupt(error) => {
+            Found::Corrupt(names, error) => {
+                rejected.add(names, &error);
                 faulty.get_or_insert_with(|| error.clone());
                 first_fault.get_or_insert_with(|| error.clone());
                 faults.note(error)
@@ -90,6 +96,11 @@ impl Ephemerides {
                 Ok(())
             }
             Found::BadState(error) => {
+                first_fault.get_or_insert_with(|| error.clone());
+                faults.note(error)
+            }
+            Found::BadStateOf(name, error) => {
+                rejected.add(vec![name], &error);
                 first_fault.get_or_insert_with(|| error.clone());
                 faults.note(error)
             }
@@ -105,12 +116,12 @@ impl Ephemerides {
             FileFormat::Oem => oem::each_object(text, origin, &mut each)?,
             FileFormat::Czml => czml::each_object(text, origin, &mut each)?,
             FileFormat::Sp3 => sp3::each_object(text, origin, &mut each)
-                .or_else(|error| each(Found::Corrupt(error)))?,
+                .or_else(|error| each(Found::corrupt(error)))?,
             FileFormat::Stk => stk::each_object(text, origin, &mut each)
-                .or_else(|error| each(Found::Corrupt(error)))?,
+                .or_else(|error| each(Found::corrupt(error)))?,
             _ if ephemeris_csv::is_table(text) => {
                 ephemeris_csv::each_object(text, origin, &mut each)
-                    .or_else(|error| each(Found::Corrupt(error)))?;
+                    .or_else(|error| each(Found::corrupt(error)))?;
             }
             _ if omm::is_omm(text) || has_elements(text) => {
                 return Err(OrbitError::NotRead {
@@ -134,11 +145,19 @@ impl Ephemerides {
             // An error that invalidates an object is more informative than one of a single state, and that more than an empty result.
             return Err(match (telling, kept.is_empty()) {
                 (Some(faulty), _) => faulty.into(),
+                (None, true) if format == FileFormat::Czml => OrbitError::NotRead {
+                    path: origin.to_owned(),
+                    kind: "CZML",
+                    remedy: "with no object that moves; give one a position with samples",
+                },
                 (None, true) => OrbitError::NoEphemeris {
                     path: origin.to_owned(),
                 },
                 (None, false) => kept.swap_remove(0),
             });
+        }
+        if format == FileFormat::Oem {
+            feeds = of_one_object_each(feeds);
         }
         Ok(Self {
             format,
@@ -147,6 +166,7 @@ impl Ephemerides {
             faults_left_out: faults.left_out,
             followers,
             faulty,
+            rejected: rejected.all,
         })
     }
 
@@ -181,10 +201,30 @@ impl Ephemerides {
             FileFormat::Czml => Key::Id,
             _ => Key::Designator,
         };
-        let chosen = feeds.get(choose(&candidates, key, origin, name)?);
+        let chosen = choose(&candidates, key, origin, name)
+            .map_err(|error| Rejected::explain(&self.rejected, error))?;
+        let chosen = feeds.get(chosen);
         let chosen = chosen.map(|&feed| feed.clone());
         chosen.ok_or_else(|| OrbitError::NoEphemeris {
             path: origin.to_owned(),
         })
     }
+}
+
+/// Successive messages of one object as one ephemeris, unless they overlap.
+fn of_one_object_each(feeds: Vec<EphemerisFeed>) -> Vec<EphemerisFeed> {
+    let mut kept: Vec<EphemerisFeed> = Vec::new();
+    let mut by_object: HashMap<(String, Option<String>), usize> = HashMap::new();
+    for feed in feeds {
+        let object = (feed.name().to_owned(), feed.object_id().map(str::to_owned));
+        let at = *by_object.entry(object).or_insert(kept.len());
+        match kept.get_mut(at) {
+            Some(earlier) => match earlier.joined(&feed) {
+                Some(joined) => *earlier = joined,
+                None => kept.push(feed),
+            },
+            None => kept.push(feed),
+        }
+    }
+    kept
 }

@@ -164,7 +164,11 @@ pub(super) fn each_object(
             Ok(())
         });
         if let Err(error) = read {
-            each(Found::BadState(error))?;
+            // Its satellite may have no other row.
+            each(match csv_row::fields(text, separator, place, origin) {
+                Ok(row) => Found::BadStateOf(name_of(table, &row), error),
+                Err(_) => Found::BadState(error),
+            })?;
         }
     }
     let Some(table) = table else {
@@ -175,8 +179,9 @@ pub(super) fn each_object(
         return Err(start.error(origin, fault));
     }
     for object in objects {
+        let names = vec![object.name.clone()];
         let feed = object.feed(table.interpolation, origin, each);
-        each(feed.into())?;
+        each(Found::of(names, feed))?;
     }
     Ok(())
 }
@@ -255,6 +260,14 @@ fn whole_table(said: &Fields, columns: Columns, origin: &Path) -> Result<Table, 
     })
 }
 
+/// The name of a row's satellite.
+fn name_of(table: &Table, row: &[csv::CsvField]) -> String {
+    let field = table.columns.name.and_then(|column| row.get(column));
+    let named = field.map(|field| printable(field.text.trim()));
+    let name = named.filter(|name| !name.is_empty());
+    name.unwrap_or_else(|| table.name.clone())
+}
+
 /// The name of a row's satellite, and the frame of its state.
 fn whose(
     table: &Table,
@@ -262,10 +275,8 @@ fn whose(
     line: usize,
     origin: &Path,
 ) -> Result<(String, Frame), RecordError> {
-    let field = |column: Option<usize>| column.and_then(|column| row.get(column));
-    let named = field(table.columns.name).map(|field| printable(field.text.trim()));
-    let name = named.filter(|name| !name.is_empty());
-    let frame = match (field(table.columns.frame), table.frame) {
+    let field = table.columns.frame.and_then(|column| row.get(column));
+    let frame = match (field, table.frame) {
         (Some(field), _) => known_frame(
             &Entry {
                 key: Cow::Borrowed("frame"),
@@ -282,7 +293,7 @@ fn whose(
         // The header may lack this column only if a comment gives the frame.
         (None, None) => return Err(no_frame(TextPosition { line, column: 1 }, origin)),
     };
-    Ok((name.unwrap_or_else(|| table.name.clone()), frame))
+    Ok((name_of(table, row), frame))
 }
 
 /// `key = value, key = value`; comments without an equals sign are ignored.

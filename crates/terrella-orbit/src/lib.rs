@@ -163,6 +163,10 @@ pub trait Feed: Send + Sync {
     fn object_id(&self) -> Option<&str> {
         None
     }
+    /// The identifier in a file whose names may repeat: the `id` of CZML.
+    fn id(&self) -> Option<&str> {
+        None
+    }
     /// Whether its current state is up to date; only live feeds can be late.
     fn freshness(&self) -> Freshness {
         Freshness::Settled
@@ -204,6 +208,10 @@ impl<F: Feed + ?Sized> Feed for std::sync::Arc<F> {
 
     fn object_id(&self) -> Option<&str> {
         self.as_ref().object_id()
+    }
+
+    fn id(&self) -> Option<&str> {
+        self.as_ref().id()
     }
 
     fn freshness(&self) -> Freshness {

@@ -63,7 +63,7 @@ pub(super) struct OtherMessage {
     remedy: &'static str,
 }
 
-const OTHER_MESSAGES: [OtherMessage; 5] = [
+const OTHER_MESSAGES: [OtherMessage; 8] = [
     OtherMessage {
         key: VERSIONS[2],
         element: "<opm",
@@ -93,6 +93,24 @@ const OTHER_MESSAGES: [OtherMessage; 5] = [
         element: "<tdm",
         kind: "a tracking data message (TDM)",
         remedy: "has measurements and no orbit; export an OEM",
+    },
+    OtherMessage {
+        key: "CCSDS_RDM_VERS",
+        element: "<rdm",
+        kind: "a re-entry data message (RDM)",
+        remedy: "has a prediction of the re-entry and no orbit; export an OEM",
+    },
+    OtherMessage {
+        key: "CCSDS_APM_VERS",
+        element: "<apm",
+        kind: "an attitude parameter message (APM)",
+        remedy: "has no orbit in it; export an OEM",
+    },
+    OtherMessage {
+        key: "CCSDS_ACM_VERS",
+        element: "<acm",
+        kind: "an attitude comprehensive message (ACM)",
+        remedy: "has no orbit in it; export an OEM",
     },
 ];
 

@@ -2,6 +2,7 @@
 
 use super::OrbitError;
 use super::tle_fields::catalogue_number;
+use std::collections::HashSet;
 
 /// A record that cannot be used.
 #[derive(Debug)]
@@ -11,6 +12,31 @@ pub(super) struct Rejected {
     cause: String,
 }
 
+/// Most records whose names are kept.
+const MAX_REJECTED: usize = 100_000;
+
+/// The first rejected record of each name.
+#[derive(Debug, Default)]
+pub(super) struct Rejections {
+    pub all: Vec<Rejected>,
+    names: HashSet<String>,
+}
+
+impl Rejections {
+    /// Notes a record, unless it has no name or all of its names are known.
+    pub fn add(&mut self, names: Vec<String>, cause: &dyn std::fmt::Display) {
+        if self.all.len() >= MAX_REJECTED {
+            return;
+        }
+        let is_new = names
+            .iter()
+            .fold(false, |new, name| self.names.insert(name.clone()) || new);
+        if is_new {
+            self.all.push(Rejected::new(names, cause));
+        }
+    }
+}
+
 impl Rejected {
     pub fn new(names: Vec<String>, cause: &dyn std::fmt::Display) -> Self {
         let cause = cause.to_string();
@@ -18,12 +44,13 @@ impl Rejected {
     }
 
     fn is_of(&self, wanted: &str) -> bool {
-        let number = catalogue_number(wanted);
-        let mut names = self.names.iter().map(|name| name.trim());
-        names.any(|name| {
-            name.to_lowercase() == wanted.to_lowercase()
-                || number.is_some() && catalogue_number(name) == number
-        })
+        self.names.iter().any(|name| is_same(name, wanted))
+    }
+
+    /// Whether all its names, of which there are some, are these of one satellite.
+    pub fn is_only_of(&self, satellite: [&String; 2]) -> bool {
+        let is_own = |name: &String| satellite.iter().any(|own| is_same(name, own));
+        !self.names.is_empty() && self.names.iter().all(is_own)
     }
 
     /// Explains a missing name by the reason why its record was rejected.
@@ -38,4 +65,11 @@ impl Rejected {
             error => error,
         }
     }
+}
+
+/// Whether two names or numbers mean the same satellite, letter case aside.
+fn is_same(name: &str, wanted: &str) -> bool {
+    let number = catalogue_number(wanted);
+    name.trim().to_lowercase() == wanted.to_lowercase()
+        || number.is_some() && catalogue_number(name.trim()) == number
 }

@@ -33,6 +33,7 @@ pub(super) fn each_object(
 ) -> Result<(), RecordError> {
     let mut reader = Reader {
         origin,
+        frame: Frame::Itrf,
         scale: Scale::GPS,
         is_headed: false,
         epoch: None,
@@ -110,6 +111,7 @@ struct Satellite {
 
 struct Reader<'o> {
     origin: &'o Path,
+    frame: Frame,
     scale: Scale,
     is_headed: bool,
     epoch: Option<Epoch>,
@@ -133,7 +135,7 @@ impl<'o> Reader<'o> {
         let mut marks = line.chars();
         match (marks.next(), marks.next()) {
             (Some('#'), Some('#')) => Ok(()),
-            (Some('#'), version) => self.version(version, place),
+            (Some('#'), version) => self.version(version, line, place),
             (Some('%'), Some('c')) if !self.is_headed => self.time_system(line, place),
             (Some('*'), _) => self.epoch(line, place, each),
             (Some('P'), _) => self.with_columns(line, place, each, Self::position),
@@ -152,9 +154,26 @@ impl<'o> Reader<'o> {
         place.error(self.origin, RecordFault::Unexpected { text, expected })
     }
 
-    fn version(&self, version: Option<char>, place: TextPosition) -> Result<(), RecordError> {
+    /// The first line has the frame in columns 47 to 51.
+    fn version(
+        &mut self,
+        version: Option<char>,
+        line: &str,
+        place: TextPosition,
+    ) -> Result<(), RecordError> {
+        let name = line.get(46..51).unwrap_or_default().trim();
         match version {
-            Some('a'..='d') => Ok(()),
+            Some('a'..='d') => {
+                self.frame = frame(name).ok_or_else(|| {
+                    let fault = RecordFault::Unsupported {
+                        key: "the frame".to_owned(),
+                        text: excerpt(name),
+                        remedy: "known inertial ones are GCRF, ICRF, EME00, EME2K, J2000 and TEME; all others are Earth-fixed",
+                    };
+                    place.error(self.origin, fault)
+                })?;
+                Ok(())
+            }
             other => Err(place.error(
                 self.origin,
                 RecordFault::Unsupported {
@@ -244,7 +263,7 @@ impl<'o> Reader<'o> {
         let is_moved = line.get(78..79) == Some("M");
         match use_it(self, id, [x, y, z], place, is_moved) {
             Err(error) if matches!(*error.fault, RecordFault::TooMany { .. }) => Err(error),
-            Err(error) => each(Found::BadState(error)),
+            Err(error) => each(Found::BadStateOf(identifier(id), error)),
             Ok(()) => Ok(()),
         }
     }
@@ -348,9 +367,8 @@ impl<'o> Reader<'o> {
             let mut samples = satellite.runs.iter().flat_map(|run| &run.samples);
             let has_all = samples.all(|sample| sample.velocity_m_s.is_some());
             let motion = Motion {
-                name: satellite.id,
-                // All of its frames are realisations of ITRF.
-                frame: Frame::Itrf,
+                name: satellite.id.clone(),
+                frame: self.frame,
                 interpolation: match satellite.has_velocities && has_all {
                     true => Interpolation::WITH_VELOCITIES,
                     false => POSITIONS,
@@ -362,9 +380,20 @@ impl<'o> Reader<'o> {
                 },
             };
             let object = motion.feed(satellite.runs, each);
-            each(object.into())?;
+            each(Found::of(vec![satellite.id], object))?;
         }
         Ok(())
+    }
+}
+
+/// The frame of this name: those that are not known as inertial are realisations of ITRF. `None` for inertial ones that are not read.
+fn frame(name: &str) -> Option<Frame> {
+    match name.to_ascii_uppercase().as_str() {
+        "GCRF" | "GCRS" | "ICRF" | "ICRS" => Some(Frame::Gcrf),
+        "EME00" | "EME2K" | "J2000" => Some(Frame::Eme2000),
+        "TEME" => Some(Frame::Teme),
+        "ECI" | "INERT" | "TOD" | "MOD" => None,
+        _ => Some(Frame::Itrf),
     }
 }
 

@@ -42,7 +42,7 @@ pub(super) fn each_object(
         }
     }
     let object = reader.finish(each);
-    each(object.into())
+    each(Found::of(Vec::new(), object))
 }
 
 /// Between which marks the reader is.
@@ -229,6 +229,10 @@ impl<'o> Reader<'o> {
                     return Err(self.unexpected(value, place, expected));
                 };
                 self.samples_less_one = Some(count);
+            }
+            "timeformat" if !value.trim_matches('"').eq_ignore_ascii_case("epsec") => {
+                let remedy = "times are read as seconds since ScenarioEpoch; export them as EpSec";
+                return Err(self.unsupported("TimeFormat", value, place, remedy));
             }
             "vehicleid" | "satellitename" | "objectname" => self.name = Some(printable(value)),
             _ if key.starts_with("ephemeris") => {
@@ -478,7 +482,14 @@ fn scenario_epoch(text: &str) -> Result<Epoch, TimeError> {
     let name = month.to_ascii_lowercase();
     let month = MONTHS.iter().position(|known| name.starts_with(known));
     match month {
-        Some(month) => iso8601::epoch(&format!("{year}-{:02}-{day:0>2}T{time}", month + 1)),
+        Some(month) => {
+            // The hour may have one digit.
+            let width = time.find(':').map_or(0, |at| time.len() + 2 - at);
+            iso8601::epoch(&format!(
+                "{year}-{:02}-{day:0>2}T{time:0>width$}",
+                month + 1
+            ))
+        }
         None => iso8601::epoch(text),
     }
 }

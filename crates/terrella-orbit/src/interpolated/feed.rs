@@ -93,26 +93,32 @@ impl EphemerisFeed {
             }
             ended = Some(cut.1);
         }
-        match segments.is_empty() {
-            true => Err(SegmentError::Empty),
-            false => Ok(Self {
+        match (segments.first(), segments.last()) {
+            (Some(first), Some(last)) if first.usable.0 < last.usable.1 => Ok(Self {
                 name,
                 object_id,
                 id: None,
                 segments,
                 line: 1,
             }),
+            (Some(only), _) => Err(SegmentError::Instant {
+                at: rfc3339(only.usable.0),
+            }),
+            _ => Err(SegmentError::Empty),
         }
+    }
+
+    /// With the segments of another feed of the object, in order of time; `None` if they overlap.
+    pub(crate) fn joined(&self, other: &Self) -> Option<Self> {
+        let mut segments = [self.segments.as_slice(), &other.segments].concat();
+        segments.sort_by_key(|segment| segment.usable.0);
+        let joined = Self::new(self.name.clone(), self.object_id.clone(), segments).ok()?;
+        Some(joined.at_line(self.line))
     }
 
     /// The international designator, `1998-067A`, where the file has one.
     pub fn object_id(&self) -> Option<&str> {
         self.object_id.as_deref()
-    }
-
-    /// The identifier that is its own in a file whose names may repeat: the `id` of CZML.
-    pub fn id(&self) -> Option<&str> {
-        self.id.as_deref()
     }
 
     pub(crate) fn with_id(self, id: String) -> Self {
@@ -189,6 +195,10 @@ impl Feed for EphemerisFeed {
 
     fn object_id(&self) -> Option<&str> {
         self.object_id.as_deref()
+    }
+
+    fn id(&self) -> Option<&str> {
+        self.id.as_deref()
     }
 
     fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {

@@ -7,6 +7,12 @@ pub enum SegmentError {
     /// No segment at all.
     #[error("no segment")]
     Empty,
+    /// There is nothing between which to interpolate.
+    #[error("one state alone, of {at}; an orbit needs two or more, in order of time")]
+    Instant {
+        /// Its time, UTC.
+        at: String,
+    },
     /// The usable interval does not overlap the samples.
     #[error("the usable interval, {first} to {last}, is outside its states")]
     Unusable {
@@ -35,7 +41,7 @@ impl SegmentError {
     /// Which segment is meant, from 0.
     pub fn index(&self) -> usize {
         match self {
-            Self::Empty => 0,
+            Self::Empty | Self::Instant { .. } => 0,
             Self::Unusable { index, .. } | Self::Overlap { index, .. } => *index,
         }
     }

@@ -63,6 +63,12 @@ impl<'o> Draft<'o> {
         }
     }
 
+    /// Name and identifier of the object, as far as known.
+    pub fn names(&self) -> Vec<String> {
+        let names = self.object.iter().flat_map(|(name, id)| [name, id]);
+        names.cloned().collect()
+    }
+
     /// Position of the message's first character.
     pub fn place(&self) -> TextPosition {
         self.place
@@ -257,7 +263,10 @@ impl<'o> Draft<'o> {
     pub fn finish(mut self, each: &mut Each<'_>) -> Result<EphemerisFeed, RecordError> {
         self.finish_segment(each)?;
         let (name, id) = self.object.take().unwrap_or_default();
-        let segments = std::mem::take(&mut self.segments);
+        // A file may have them in any order.
+        let mut parts: Vec<_> = std::iter::zip(self.segments, self.segment_places).collect();
+        parts.sort_by_key(|(segment, _)| segment.usable.0);
+        let (segments, places): (Vec<_>, Vec<_>) = parts.into_iter().unzip();
         let name = match name.is_empty() {
             true => id.clone(),
             false => name,
@@ -266,7 +275,7 @@ impl<'o> Draft<'o> {
         match EphemerisFeed::new(name, id, segments) {
             Ok(feed) => Ok(feed.at_line(self.place.line)),
             Err(error) => {
-                let place = self.segment_places.get(error.index());
+                let place = places.get(error.index());
                 let place = place.copied().unwrap_or(self.place);
                 Err(place.error(self.origin, RecordFault::Segments(error)))
             }

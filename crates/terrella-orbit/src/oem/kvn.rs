@@ -23,29 +23,25 @@ pub fn read(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), Record
             && entry.key == VERSION
         {
             if let Some(message) = message.take() {
-                let object = message.finish(each);
-                each(object.into())?;
+                message.hand_on(each)?;
             }
             match entry.value.split('.').next() {
                 Some("1" | "2" | "3") => message = Some(Message::new(text, origin, entry.place)),
                 _ => {
                     let error = entry.unsupported(origin, "versions 1 to 3 are read");
-                    each(Found::Corrupt(error))?;
+                    each(Found::corrupt(error))?;
                 }
             }
             continue;
         }
         // Behind a fault that corrupts its message the rest of that is skipped.
         if let Some(Err(error)) = message.as_mut().map(|m| m.line(line, each)) {
-            message = None;
-            each(Found::Corrupt(error))?;
+            let names = message.take().map(|message| message.draft.names());
+            each(Found::Corrupt(names.unwrap_or_default(), error))?;
         }
     }
     match message {
-        Some(message) => {
-            let object = message.finish(each);
-            each(object.into())
-        }
+        Some(message) => message.hand_on(each),
         None => Ok(()),
     }
 }
@@ -84,6 +80,13 @@ impl<'o> Message<'o> {
             draft: Draft::new(origin, place),
             block: Block::None,
         }
+    }
+
+    /// Ends the message and hands its object on.
+    fn hand_on(self, each: &mut Each<'_>) -> Result<(), RecordError> {
+        let names = self.draft.names();
+        let object = self.finish(each);
+        each(Found::of(names, object))
     }
 
     fn line(&mut self, line: KvnLine<'_>, each: &mut Each<'_>) -> Result<(), RecordError> {

@@ -44,8 +44,9 @@ pub fn read(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), Record
             XmlItem::Close("oem") => {
                 return match message.take() {
                     Some(message) => {
+                        let names = message.draft.names();
                         let object = message.draft.finish(each);
-                        each(object.into())
+                        each(Found::of(names, object))
                     }
                     None => Ok(()),
                 };
@@ -54,13 +55,13 @@ pub fn read(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), Record
         }
         // Behind a fault that corrupts its message the rest of that is skipped.
         if let Some(Err(error)) = message.as_mut().map(|m| m.item(item, each)) {
-            message = None;
-            each(Found::Corrupt(error))?;
+            let names = message.take().map(|message| message.draft.names());
+            each(Found::Corrupt(names.unwrap_or_default(), error))?;
         }
         Ok(())
     });
     // An error that ends the text is one more fault if other segments are valid.
-    read.or_else(|error| each(Found::Corrupt(error)))
+    read.or_else(|error| each(Found::corrupt(error)))
 }
 
 struct Message<'o> {

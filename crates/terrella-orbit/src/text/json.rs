@@ -74,6 +74,13 @@ impl<'t> Document<'t> {
             let object = serde_json::from_str::<&RawValue>(part);
             return each(object.map_err(|e| self.syntax(part, &e))?);
         }
+        if !part.trim_start().starts_with('[') {
+            let place = self.lines.place(offset(self.text, part));
+            let text = excerpt(part.trim());
+            let expected = "an array";
+            let fault = RecordFault::Unexpected { text, expected };
+            return Err(place.error(self.origin, fault).into());
+        }
         let members = Members {
             each: &mut |count, value| {
                 let result = match count > limit {
