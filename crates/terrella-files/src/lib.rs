@@ -10,9 +10,11 @@ pub mod durable;
 pub mod loaders;
 mod message;
 mod open;
+mod packed;
 pub mod parallel;
 mod unfinished;
 
 pub use message::{MAX_QUOTED_CHARS, cause, excerpt, is_unprintable, printable};
 pub use open::{MAX_PATH_BYTES, first_bytes, open, open_with, path_complaint, read, read_text};
+pub use packed::packing;
 pub use unfinished::{Unfinished, remove_unfinished};

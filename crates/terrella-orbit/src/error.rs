@@ -22,11 +22,18 @@ pub enum OrbitError {
         /// The decompressor's reason.
         source: std::io::Error,
     },
+    /// The file is packed in a way that is not read.
+    #[error("{}: is packed by {packing}; unpack it first, or pack it by gzip", path.display())]
+    Packed {
+        path: PathBuf,
+        /// The program that unpacks it.
+        packing: &'static str,
+    },
     /// The file is too large for its kind.
     #[error("{}: larger than {limit_mib} MiB; cut out the satellites or the days that you need", path.display())]
     TooLarge { path: PathBuf, limit_mib: u64 },
     /// The file is not text.
-    #[error("{}:{line}: not text in UTF-8; files of orbits are plain text", path.display())]
+    #[error("{}:{line}: not text in UTF-8; files of orbits are plain text: save it in UTF-8", path.display())]
     NotText {
         path: PathBuf,
         /// Line of the first byte that is not UTF-8, or UTF-16 where that is marked, from 1.

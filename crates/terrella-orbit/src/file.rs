@@ -22,6 +22,12 @@ pub(super) fn read_text(path: &Path, limit: u64) -> Result<String, OrbitError> {
     };
     let bytes = files::read(path, limit).map_err(read_error)?;
     let bytes = bytes.ok_or_else(too_large)?;
+    if let Some(packing) = files::packing(&bytes) {
+        return Err(OrbitError::Packed {
+            path: path.to_owned(),
+            packing,
+        });
+    }
     if !bytes.starts_with(GZIP) {
         return decode(bytes, path);
     }

@@ -215,6 +215,12 @@ impl Scene {
         };
         let bytes = files::read(path, MAX_FILE_BYTES).map_err(unreadable)?;
         let bytes = bytes.ok_or_else(too_large)?;
+        if let Some(packing) = files::packing(&bytes) {
+            return Err(SceneError::Packed {
+                path: path.to_owned(),
+                packing,
+            });
+        }
         let text = std::str::from_utf8(&bytes).map_err(|error| {
             let good = bytes.iter().take(error.valid_up_to());
             SceneError::NotUtf8 {

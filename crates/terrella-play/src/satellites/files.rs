@@ -27,7 +27,10 @@ pub(super) fn open(
             let mut read = files.catalogue(file, orbit.strict)?;
             // Without a name the only satellite is meant, and a bad record may be another one.
             let is_fault = |fault: &OrbitError| !fault.is_notice();
-            if name.is_none() && read.content.faults.iter().any(is_fault) {
+            if name.is_none()
+                && read.content.faults.iter().any(is_fault)
+                && read.content.is_open_which_is_meant()
+            {
                 read = files.catalogue(file, true)?;
             }
             let catalogue = &read.content;

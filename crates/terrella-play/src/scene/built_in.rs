@@ -154,6 +154,9 @@ impl Scene {
         }
         match recognise(path) {
             Some(format) => Self::of_orbits_with(path, format, names, settings),
+            None if is_empty(path) => Err(SceneError::Empty {
+                path: path.to_owned(),
+            }),
             None => Self::load_with(path, settings).map_err(neither),
         }
     }
@@ -168,6 +171,12 @@ impl Scene {
 fn is_named_scene(path: &Path) -> bool {
     path.extension()
         .is_some_and(|ending| ending.eq_ignore_ascii_case("toml"))
+}
+
+/// Whether a file has no byte: a download that failed.
+fn is_empty(path: &Path) -> bool {
+    let head = files::open(path).and_then(files::first_bytes);
+    head.is_ok_and(|bytes| bytes.is_empty())
 }
 
 /// The orbit format of a file. A pipe is not inspected, because its data can be read only once.

@@ -58,6 +58,16 @@ pub enum SceneError {
         path.display()
     )]
     TooLarge { path: PathBuf },
+    /// The file is packed.
+    #[error("{}: is packed by {packing}; unpack it first", path.display())]
+    Packed {
+        path: PathBuf,
+        /// The program that unpacks it.
+        packing: &'static str,
+    },
+    /// The file is empty, and its name is not that of a scene.
+    #[error("{}: is empty; give a scene file or an orbit file", path.display())]
+    Empty { path: PathBuf },
     /// The file is not UTF-8 text.
     #[error("{}:{line}: is not UTF-8 text; save it as UTF-8", path.display())]
     NotUtf8 {
@@ -118,6 +128,8 @@ impl SceneError {
             Self::Read { path, .. }
             | Self::Folder { path }
             | Self::TooLarge { path }
+            | Self::Packed { path, .. }
+            | Self::Empty { path }
             | Self::NotUtf8 { path, .. }
             | Self::Syntax { path, .. } => path,
             Self::Unknown { place, .. }
@@ -130,7 +142,11 @@ impl SceneError {
     /// The line of the file, from 1, if known.
     pub fn line(&self) -> Option<usize> {
         match self {
-            Self::Read { .. } | Self::Folder { .. } | Self::TooLarge { .. } => None,
+            Self::Read { .. }
+            | Self::Folder { .. }
+            | Self::TooLarge { .. }
+            | Self::Packed { .. }
+            | Self::Empty { .. } => None,
             Self::NotUtf8 { line, .. } | Self::Syntax { line, .. } => Some(*line),
             Self::Unknown { place, .. }
             | Self::Missing { place, .. }
