@@ -6,13 +6,15 @@ use std::fmt::Write;
 use terrella::frames::{Epoch, rfc3339};
 use terrella_orbit::csv_field;
 
-const CSV_HEADER: &str = "name,catalogue_number,designator,known_from_utc,known_to_utc\n";
+const CSV_HEADER: &str = "name,catalogue_number,designator,known_from_utc,known_to_utc,id\n";
 
 /// A satellite of the table.
 struct Row<'f> {
     name: &'f str,
     catalogue_number: Option<u64>,
     designator: Option<&'f str>,
+    /// Its identifier in its file, if that is not its name.
+    id: Option<&'f str>,
     /// Its validity; `None` for states from a simulator.
     known: Option<(Epoch, Epoch)>,
 }
@@ -23,7 +25,11 @@ impl<'f> Row<'f> {
         Self {
             name: satellite.name(),
             catalogue_number: elements.map(|elements| elements.catalogue_number),
-            designator: elements.and_then(|elements| elements.object_id.as_deref()),
+            designator: match elements {
+                Some(elements) => elements.object_id.as_deref(),
+                None => satellite.feed().object_id(),
+            },
+            id: satellite.feed().id().filter(|id| *id != satellite.name()),
             known: match satellite.live().is_some() || satellite.simulation().is_some() {
                 true => None,
                 false => Some(satellite.feed().validity()),
@@ -52,8 +58,9 @@ pub fn names(flight: &Flight, layout: Layout) -> String {
         Layout::Csv => rows.iter().fold(CSV_HEADER.to_owned(), |text, row| {
             let [first, last] = row.known();
             let designator = row.designator.map_or_else(String::new, csv_field);
-            let name = csv_field(row.name);
-            text + &format!("{name},{},{designator},{first},{last}\n", row.number())
+            let (name, number) = (csv_field(row.name), row.number());
+            let id = row.id.map_or_else(String::new, csv_field);
+            text + &format!("{name},{number},{designator},{first},{last},{id}\n")
         }),
         Layout::Json => {
             let rows = rows.iter().map(|row| {
@@ -61,6 +68,7 @@ pub fn names(flight: &Flight, layout: Layout) -> String {
                     "name": row.name,
                     "catalogue_number": row.catalogue_number,
                     "designator": row.designator,
+                    "id": row.id,
                     "known_utc": row.known.map(|(first, last)| [rfc3339(first), rfc3339(last)]),
                 })
             });
@@ -78,10 +86,11 @@ fn text(rows: &[Row<'_>]) -> String {
             Some(_) => format!("known {}", row.known().join(" to ")),
             None => "known when a simulator sends it".to_owned(),
         };
+        let id = row.id.map_or_else(String::new, |id| format!(", id {id}"));
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{:<width$}  {:>9}  {designator:<11}  {known}",
+            "{:<width$}  {:>9}  {designator:<11}  {known}{id}",
             row.name,
             row.number()
         );
