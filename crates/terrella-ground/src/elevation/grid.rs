@@ -5,7 +5,9 @@ mod georeference;
 pub(super) mod holes;
 pub(super) mod joins;
 pub(super) mod levels;
+mod outside;
 pub mod placement;
+mod plane;
 mod ranges;
 #[cfg(test)]
 mod tests;
@@ -14,6 +16,7 @@ pub use build::GridLimits;
 pub use georeference::{Georeference, MAX_SIDE, Registration};
 
 use super::samples::HeightSamples;
+use super::warp::Warp;
 use super::{Bounds, HeightRange};
 use joins::Joins;
 use levels::LevelShape;
@@ -226,6 +229,15 @@ impl HeightGrid {
         self.weight_at(row, column, joins)
     }
 
+    /// The same grid with the border of the projected samples that it was resampled from.
+    ///
+    /// # Errors
+    /// A projected grid that places no samples.
+    pub(super) fn with_border_of(mut self, warp: &Warp) -> Result<Self, GridError> {
+        self.place = self.place.with_border_of(warp)?;
+        Ok(self)
+    }
+
     /// The placement of the grid.
     pub fn placement(&self) -> &Placement {
         &self.place
@@ -264,6 +276,11 @@ impl HeightGrid {
     /// return `false`.
     pub(super) fn rules(&self, bounds: &Bounds) -> bool {
         let (rows, columns) = self.span(bounds);
+        if let Some(is_ruled) = self.place.are_deep(rows, columns)
+            && !is_ruled
+        {
+            return false;
+        }
         if self.place.lattice.is_periodic {
             let whole = (0.0, (self.place.lattice.columns - 1) as f64);
             let corners = [(rows.0, whole.0), (rows.1, whole.1)];

@@ -1,5 +1,7 @@
 //! Elevation tiles that touch form one ground.
 
+use super::projection::Projection;
+use super::warp::{AROUND, ProjectedGrid, Warp};
 use super::*;
 use std::sync::Arc;
 
@@ -172,5 +174,114 @@ fn tiles_that_overlap_do_not_fall_to_the_sea_inside_each_other() {
         let east = tile(Registration::Posts, bounds(6.0, 45.0, 1.0, 1.0), 121);
         let ground = Ground::new([west, east]);
         assert_plateau(&ground, (45.5, 5.2), (45.5, 6.8), "overlap");
+    }
+}
+
+/// A projected tile whose first sample is so many steps from an origin, with one height.
+fn projected(origin: &ProjectedGrid, right: f64, down: f64) -> Arc<HeightGrid> {
+    let grid = ProjectedGrid {
+        east_m: origin.east_m + right * origin.column_m,
+        north_m: origin.north_m - down * origin.row_m,
+        ..*origin
+    };
+    let warp = Warp::beyond(grid, AROUND).expect("a resampling");
+    let (mut heights_m, mut places) = (Vec::new(), Vec::new());
+    for row in 0..warp.place.rows {
+        warp.locate_row(row, &mut places);
+        let of_row = places.iter().zip(0..);
+        heights_m.extend(of_row.map(|(place, n)| match place {
+            Some(_) => PLATEAU_M + (n % 2) as f32 * 0.25,
+            None => f32::NAN,
+        }));
+    }
+    let grid = HeightGrid::new(&warp.place, heights_m, &GridLimits::default());
+    let grid = grid.and_then(|grid| grid.with_border_of(&warp));
+    Arc::new(grid.expect("a grid"))
+}
+
+/// Four tiles about a place, which share posts, touch, or leave a gap of one sample, in projections that turn and scale them.
+#[test]
+fn projected_tiles_have_no_valley_between_them() {
+    let side = 200;
+    for (epsg, east_m, north_m) in [
+        (3857, 1.2e6, 5.8e6),
+        (3413, -6e5, -1.3e6),
+        (3031, 9e5, 1.1e6),
+        (32633, 8.2e5, 5.2e6),
+        // The pole lies where the four meet.
+        (3413, 0.0, 0.0),
+    ] {
+        let projection = Projection::of_code(epsg).expect("a projection");
+        for (margin, apart, what) in [
+            (0.0, side - 1, "posts that share a row"),
+            (0.0, side, "posts"),
+            (0.5, side, "cells"),
+            (0.5, side + 1, "cells with a gap of one"),
+        ] {
+            let origin = ProjectedGrid {
+                projection,
+                columns: side,
+                rows: side,
+                east_m: east_m - 100.0 * f64::from(apart),
+                north_m: north_m + 100.0 * f64::from(apart),
+                column_m: 100.0,
+                row_m: 100.0,
+                margin,
+            };
+            let apart = f64::from(apart);
+            let offsets = [(0.0, 0.0), (apart, 0.0), (0.0, apart), (apart, apart)];
+            let ground = Ground::new(offsets.map(|(right, down)| projected(&origin, right, down)));
+            // Within two tenths of a tile of the seams, and farther from the outer border than its feather is wide.
+            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+            for n in -1500..=1500 {
+                for across in [-40.0, -0.7, -0.1, 0.0, 0.1, 0.6, 1.3, 40.0] {
+                    let along = f64::from(n) * 0.1;
+                    for (right, down) in [(along, across), (across, along)] {
+                        let (lat_rad, lon_rad) = projection.inverse_rad(
+                            origin.east_m + (apart - 0.5 + right) * 100.0,
+                            origin.north_m - (apart - 0.5 + down) * 100.0,
+                        );
+                        let height_m = ground.height_m(lat_rad, lon_rad, 0.0);
+                        (low, high) = (low.min(height_m), high.max(height_m));
+                    }
+                }
+            }
+            assert!(
+                low >= 1999.99 && high <= 2000.26,
+                "{epsg}, {what}: {low} to {high}"
+            );
+        }
+    }
+}
+
+/// A tile alone is feathered along the sides of its own samples, not of the bounds around them.
+#[test]
+fn a_projected_tile_alone_ends_softly_at_its_own_border() {
+    let projection = Projection::of_code(3413).expect("a projection");
+    let origin = ProjectedGrid {
+        projection,
+        columns: 320,
+        rows: 320,
+        east_m: 3e5,
+        north_m: -1.2e6,
+        column_m: 100.0,
+        row_m: 100.0,
+        margin: 0.5,
+    };
+    let ground = Ground::new([projected(&origin, 0.0, 0.0)]);
+    let height_m = |column: f64, row: f64| {
+        let (lat_rad, lon_rad) =
+            projection.inverse_rad(origin.east_m + column * 100.0, origin.north_m - row * 100.0);
+        ground.height_m(lat_rad, lon_rad, 0.0)
+    };
+    // A sixteenth of the side is feathered.
+    for at in [25.0, 100.0, 160.0, 290.0] {
+        for (column, row) in [(at, 22.0), (at, 297.0), (22.0, at), (297.0, at)] {
+            assert!(height_m(column, row) > 1999.9, "{column} {row}");
+        }
+        for (column, row) in [(at, -0.5), (at, 319.5), (-0.5, at), (319.5, at)] {
+            assert!(height_m(column, row) < 1.0, "{column} {row}");
+            assert!((900.0..1100.0).contains(&height_m(9.5, 160.0)));
+        }
     }
 }

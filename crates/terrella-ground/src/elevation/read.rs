@@ -41,6 +41,7 @@ pub use sidecar::{ByteOrder, HeightUnit, MAX_SIDECAR_BYTES, Sidecar, SidecarGeor
 use sidecar::{folder_sidecar, read_sidecar, sidecar_of};
 
 use super::geoid::VerticalDatum;
+use super::grid::placement::Placement;
 use super::warp::Warp;
 use super::world_file::WorldFile;
 use super::{Denoise, Denoised, Georeference, GridError, GridLimits, HeightGrid};
@@ -404,6 +405,16 @@ impl<R: BufRead + Seek> HeightReader<R> {
         georeference(&self.header, &self.said, &self.context)
     }
 
+    /// Placement of the samples.
+    pub(super) fn placement(&self) -> Result<Placement, HeightFileError> {
+        let place = Placement::new(&self.georeference()?);
+        let place = match &self.header.warp {
+            Some(warp) => place.and_then(|place| place.with_border_of(warp)),
+            None => place,
+        };
+        place.map_err(self.rejection())
+    }
+
     /// Sets the vertical datum to use if neither the file nor its sidecar names one.
     pub(super) fn assume_above(&mut self, above: Option<VerticalDatum>) {
         self.assumed_above = above;
@@ -546,6 +557,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
         let (attribution, above) = (self.attribution(), self.above()?);
         // Checked above.
         let columns = columns as usize;
+        let warp = self.header.warp;
         let mut heights_m = vec![0.0f32; columns * rows as usize];
         self.read(&conversion, |row, column, of_row: &mut [f32]| {
             let start = row * columns + column;
@@ -553,8 +565,12 @@ impl<R: BufRead + Seek> HeightReader<R> {
             Ok::<_, HeightFileError>(())
         })?;
         let denoised = denoise.map(|denoise| denoise.clean(columns, &mut heights_m));
-        let grid = HeightGrid::new(&georeference, heights_m, limits)
-            .map_err(|error| context.grid(error))?;
+        let grid = HeightGrid::new(&georeference, heights_m, limits);
+        let grid = match &warp {
+            Some(warp) => grid.and_then(|grid| grid.with_border_of(warp)),
+            None => grid,
+        };
+        let grid = grid.map_err(|error| context.grid(error))?;
         Ok(HeightFile {
             grid,
             above,

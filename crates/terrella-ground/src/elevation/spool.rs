@@ -123,8 +123,7 @@ pub struct SpoolNeeds {
 /// Inspects a file without reading its heights.
 pub fn look(path: &Path) -> Result<SpoolNeeds, HeightFileError> {
     let reader = HeightReader::open(path)?;
-    let georeference = reader.georeference()?;
-    let place = Placement::new(&georeference).map_err(reader.rejection())?;
+    let place = reader.placement()?;
     reader.conversion()?;
     let size = reader.size();
     Ok(SpoolNeeds {
@@ -225,8 +224,7 @@ impl HeightSpool {
     fn spool(path: &Path, scratch: &Scratch<'_>, kept: Kept) -> Result<Self, Stop> {
         let mut reader = HeightReader::open(path)?;
         reader.assume_above(scratch.above);
-        let place = Placement::new(&reader.georeference()?);
-        let place = place.map_err(reader.rejection())?;
+        let place = reader.placement()?;
         let conversion = reader.conversion()?;
         let attribution = reader.attribution();
         let rows = u64::from(reader.size().1);

@@ -17,6 +17,9 @@ const HALF_SPAN: u32 = 16;
 /// Greatest error of the interpolation where it is checked, samples.
 const INTERPOLATION_ERROR: f64 = 1e-4;
 
+/// Samples around a grid of heights that its neighbour may lie beyond.
+pub const AROUND: f64 = 2.0;
+
 /// Border points that are checked on each side.
 const BORDER: u32 = 256;
 
@@ -45,6 +48,8 @@ pub struct ProjectedGrid {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Warp {
     grid: ProjectedGrid,
+    /// How far beyond the outermost samples their values are taken, samples.
+    reach: f64,
     /// The target grid; its samples are posts.
     pub place: Georeference,
 }
@@ -85,25 +90,30 @@ impl ProjectedGrid {
         finest
     }
 
-    fn has(&self, row: f64, column: f64) -> bool {
+    /// Whether a row and column are among the samples, or so many samples around them.
+    fn reaches(&self, row: f64, column: f64, margin: f64) -> bool {
         let reaches = |at: f64, count: u32| {
-            at >= -self.margin - 1e-6 && at <= f64::from(count - 1) + self.margin + 1e-6
+            at >= -margin - 1e-6 && at <= f64::from(count - 1) + margin + 1e-6
         };
         reaches(row, self.rows) && reaches(column, self.columns)
     }
 
-    /// Southern and northern latitude, western longitude and width, radians.
-    fn bounds(&self) -> Option<[f64; 4]> {
-        let (last_row, last_column) = (f64::from(self.rows - 1), f64::from(self.columns - 1));
+    /// Southern and northern latitude, western longitude and width, radians, of the samples and of so many samples around them.
+    fn bounds(&self, beyond: f64) -> Option<[f64; 4]> {
+        let (last_row, last_column) = (
+            f64::from(self.rows - 1) + beyond,
+            f64::from(self.columns - 1) + beyond,
+        );
         let (_, middle) = self.at(0.5 * last_row, 0.5 * last_column);
         let mut bounds = [f64::INFINITY, f64::NEG_INFINITY, 0.0, 0.0];
         for n in 0..=BORDER {
             let part = f64::from(n) / f64::from(BORDER);
-            let (row, column) = (part * last_row, part * last_column);
+            let along = |last: f64| part * (last + beyond) - beyond;
+            let (row, column) = (along(last_row), along(last_column));
             for (row, column) in [
-                (row, 0.0),
+                (row, -beyond),
                 (row, last_column),
-                (0.0, column),
+                (-beyond, column),
                 (last_row, column),
             ] {
                 let (lat, lon) = self.at(row, column);
@@ -117,6 +127,8 @@ impl ProjectedGrid {
                 bounds[3] = bounds[3].max(lon);
             }
         }
+        bounds[0] = bounds[0].max(-FRAC_PI_2);
+        bounds[1] = bounds[1].min(FRAC_PI_2);
         bounds[3] -= bounds[2];
         bounds[2] += middle;
         if let Some((sign, (east, north))) = self.projection.pole_m() {
@@ -124,7 +136,7 @@ impl ProjectedGrid {
                 (self.north_m - north) / self.row_m,
                 (east - self.east_m) / self.column_m,
             );
-            if self.has(place.0, place.1) {
+            if self.reaches(place.0, place.1, self.margin.max(beyond)) {
                 bounds[usize::from(sign > 0.0)] = sign * FRAC_PI_2;
                 (bounds[2], bounds[3]) = (-PI, TAU);
             }
@@ -139,6 +151,14 @@ impl Warp {
     /// # Errors
     /// Why resampling is impossible: too many or too few samples, or no places in the projection.
     pub fn of(grid: ProjectedGrid) -> Result<Self, String> {
+        Self::beyond(grid, 0.0)
+    }
+
+    /// The resampling of a grid and of so many samples around it, which have no data.
+    ///
+    /// # Errors
+    /// As [`Self::of`].
+    pub fn beyond(grid: ProjectedGrid, samples_around: f64) -> Result<Self, String> {
         let samples = u64::from(grid.columns) * u64::from(grid.rows);
         if samples > MOST_SAMPLES {
             return Err(format!(
@@ -149,7 +169,7 @@ impl Warp {
         if grid.columns < 2 || grid.rows < 2 {
             return Err("has only one row or column of projected samples".to_string());
         }
-        let Some([south, north, west, width]) = grid.bounds() else {
+        let Some([south, north, west, width]) = grid.bounds(samples_around) else {
             return Err("lies where its projection has no places".to_string());
         };
         let lat_step = grid.finest_rad();
@@ -181,7 +201,18 @@ impl Warp {
             west_rad: west,
             lon_step_rad: width / f64::from(gaps),
         };
-        Ok(Self { grid, place })
+        // To the middle of a gap of one sample, and a sample more for the places that are interpolated between.
+        let across = if samples_around > 0.0 { 1.6 } else { 0.0 };
+        Ok(Self {
+            grid,
+            reach: grid.margin + across,
+            place,
+        })
+    }
+
+    /// The projected grid.
+    pub fn grid(&self) -> &ProjectedGrid {
+        &self.grid
     }
 
     /// Samples of the projected grid.
@@ -245,7 +276,7 @@ impl Warp {
     /// A place of the projected grid, moved from its margin to the outermost samples; `None` outside it.
     fn within(&self, at: DVec2) -> Option<(f64, f64)> {
         let within = |at: f64, count: u32| at.clamp(0.0, f64::from(count - 1));
-        self.grid.has(at.x, at.y).then(|| {
+        self.grid.reaches(at.x, at.y, self.reach).then(|| {
             (
                 within(at.x, self.grid.rows),
                 within(at.y, self.grid.columns),

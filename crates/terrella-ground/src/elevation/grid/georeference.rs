@@ -204,6 +204,14 @@ impl SampleLattice {
         }
     }
 
+    /// The place of a row and column, latitude and longitude, radians.
+    pub(in crate::elevation) fn place_at(&self, row: f64, column: f64) -> (f64, f64) {
+        (
+            self.north_rad - row * self.lat_step_rad,
+            self.west_rad + column * self.lon_step_rad,
+        )
+    }
+
     /// Rows of the poles, as real numbers like those of [`Self::locate`].
     pub(in crate::elevation) fn pole_rows(&self) -> (f64, f64) {
         (

@@ -9,6 +9,7 @@
 //! with s smooth from 0 to 1. On a border without a neighbour, d is the distance to the border. Joined grids have the same feather
 //! width, so that weights continue from one to the other.
 
+use super::outside::Outside;
 use super::placement::{Placement, smooth};
 use crate::elevation::{Bounds, PlacedBounds};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -16,22 +17,22 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 /// Spacings within this factor are similar. Otherwise the finer grid blends into the coarser one.
 const LIKE: f64 = 2.0;
 /// Largest gap between touching grids, in samples of the coarser: the outermost posts of tiles that share none.
-const TOUCH: f64 = 1.01;
+pub(super) const TOUCH: f64 = 1.01;
 
-const WEST: usize = 0;
-const EAST: usize = 1;
-const NORTH: usize = 2;
-const SOUTH: usize = 3;
+pub(super) const WEST: usize = 0;
+pub(super) const EAST: usize = 1;
+pub(super) const NORTH: usize = 2;
+pub(super) const SOUTH: usize = 3;
 
 /// Connections of a grid with other grids.
 #[derive(Clone, Debug, Default)]
 pub struct Joins(Option<Box<Joined>>);
 
 #[derive(Clone, Debug)]
-struct Joined {
+pub(super) struct Joined {
     /// Stretches of the western, eastern, northern and southern border without a neighbour, in rows or
     /// columns.
-    open: [Vec<(f64, f64)>; 4],
+    pub(super) open: [Vec<(f64, f64)>; 4],
     /// How far the grid extends beyond a border with a neighbour, samples: half of the gap.
     reach: [Option<f64>; 4],
     /// Increase of the weight per row and per column inwards, before smoothing.
@@ -41,15 +42,37 @@ struct Joined {
 impl Joins {
     /// Joins of stacked grids, the uppermost first.
     pub fn of(grids: &[&Placement]) -> Vec<Self> {
-        let mut all: Vec<Joined> = grids.iter().map(|grid| Joined::alone(grid)).collect();
+        let mut all: Vec<Joined> = grids
+            .iter()
+            .map(|grid| Joined::alone(grid.border()))
+            .collect();
+        let outsides: Vec<_> = match grids.iter().any(|grid| grid.plane.is_some()) {
+            true => grids.iter().map(|grid| Outside::of(grid)).collect(),
+            false => Vec::new(),
+        };
         let placed = PlacedBounds::new(grids.iter().map(|grid| grid.bounds));
         let (mut pairs, mut is_joined) = (Vec::new(), vec![false; grids.len()]);
         for (n, grid) in grids.iter().enumerate() {
             for m in placed.near(&grid.reach()) {
                 let other = grids[m];
-                if n != m && is_like(grid, other) && all[n].join(grid, other, n < m) {
-                    pairs.push((n, m));
+                if n == m || !is_like(grid, other) {
+                    continue;
+                }
+                let (joins, is_one_frame) = match (&grid.plane, &other.plane) {
+                    (None, None) => (all[n].join(grid, other, n < m), true),
+                    (own, its) => (
+                        outsides[n].join(&mut all[n], grid, other, n < m),
+                        own.as_ref()
+                            .zip(its.as_ref())
+                            .is_some_and(|(a, b)| a.is_of(b)),
+                    ),
+                };
+                if joins {
                     (is_joined[n], is_joined[m]) = (true, true);
+                    // Widths are shared within one frame.
+                    if is_one_frame {
+                        pairs.push((n, m));
+                    }
                 }
             }
         }
@@ -71,7 +94,9 @@ impl Joins {
     pub(in crate::elevation) fn inside(&self, place: &Placement, row: f64, column: f64) -> f64 {
         match &self.0 {
             None => place.inside(row, column),
-            Some(joined) => joined.inside(place, row, column),
+            Some(joined) => place.at_border(row, column, |border, row, column| {
+                joined.inside(border, row, column)
+            }),
         }
     }
 }
@@ -107,10 +132,8 @@ fn share_widths(grids: &[&Placement], pairs: &[(usize, usize)], all: &mut [Joine
         let mut is_done = true;
         for &(n, m) in pairs {
             let steps = |at: usize| {
-                (
-                    grids[at].lattice.lat_step_rad,
-                    grids[at].lattice.lon_step_rad,
-                )
+                let lattice = &grids[at].border().lattice;
+                (lattice.lat_step_rad, lattice.lon_step_rad)
             };
             // Weight per radian.
             let of = |at: usize| (all[at].ramps.0 / steps(at).0, all[at].ramps.1 / steps(at).1);
@@ -190,20 +213,33 @@ impl Joined {
                 WEST | EAST => rows_of(place, its),
                 _ => columns_of(place, its),
             };
-            let open = &mut self.open[side];
-            let before = open.clone();
-            for stretch in covered {
-                *open = open.iter().flat_map(|one| without(*one, stretch)).collect();
-            }
-            if *open != before {
-                joins = true;
-                // On the seam itself only the upper grid counts.
-                let rounding = if is_above { 1e-6 } else { -5e-7 };
-                let gap = 0.5 * (-overlap).max(0.0) / step + rounding;
-                self.reach[side] = Some(self.reach[side].map_or(gap, |reach| reach.max(gap)));
-            }
+            let gap = (-overlap).max(0.0) / step;
+            joins |= self.cover(side, covered, gap, is_above);
         }
         joins
+    }
+
+    /// Removes covered stretches of a side, with a gap to the neighbour of so many samples. Returns whether there were any.
+    pub(super) fn cover(
+        &mut self,
+        side: usize,
+        covered: Vec<(f64, f64)>,
+        gap: f64,
+        is_above: bool,
+    ) -> bool {
+        let open = &mut self.open[side];
+        let before = open.clone();
+        for stretch in covered {
+            *open = open.iter().flat_map(|one| without(*one, stretch)).collect();
+        }
+        if *open == before {
+            return false;
+        }
+        // On the seam itself only the upper grid counts.
+        let rounding = if is_above { 1e-6 } else { -5e-7 };
+        let reach = 0.5 * gap + rounding;
+        self.reach[side] = Some(self.reach[side].map_or(reach, |known| known.max(reach)));
+        true
     }
 
     fn inside(&self, place: &Placement, row: f64, column: f64) -> f64 {

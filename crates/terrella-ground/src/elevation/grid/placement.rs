@@ -1,9 +1,12 @@
 //! Placement of a grid, and its transition to the source beneath.
 
 use super::georeference::SampleLattice;
+use super::plane::Plane;
 use super::{FEATHER_SAMPLES, Georeference, GridError};
 use crate::elevation::Bounds;
+use crate::elevation::warp::Warp;
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 /// Position, spacing and feathered border of a grid, independent of its heights.
 #[derive(Clone, Debug)]
@@ -15,6 +18,8 @@ pub struct Placement {
     pub finest_rad: f64,
     /// Increase of the weight per row and per column inwards, before smoothing.
     pub(super) ramps: (f64, f64),
+    /// The plane of the samples that the grid was resampled from, which has the border.
+    pub(super) plane: Option<Arc<Plane>>,
 }
 
 /// Smooth step from 0 to 1 with zero slope at both ends.
@@ -42,12 +47,72 @@ impl Placement {
                 .lat_step_rad
                 .min(lattice.lon_step_rad * lattice.widest_cos()),
             ramps: (ramp(lattice.rows), ramp(lattice.columns)),
+            plane: None,
         })
+    }
+
+    /// The same placement with the border of the projected samples that the grid was resampled from.
+    ///
+    /// # Errors
+    /// A projected grid that places no samples.
+    pub(in crate::elevation) fn with_border_of(mut self, warp: &Warp) -> Result<Self, GridError> {
+        self.plane = Some(Arc::new(Plane::new(warp, &self)?));
+        Ok(self)
+    }
+
+    /// The placement of the samples that have the border.
+    pub(super) fn border(&self) -> &Self {
+        self.plane.as_ref().map_or(self, |plane| &plane.place)
+    }
+
+    /// The border's row and column of a place, radians.
+    pub(super) fn border_at(&self, lat_rad: f64, lon_rad: f64) -> (f64, f64) {
+        match &self.plane {
+            None => self.lattice.locate(lat_rad, lon_rad),
+            Some(plane) => plane.locate(lat_rad, lon_rad),
+        }
+    }
+
+    /// The place of a row and column of the border, latitude and longitude, radians.
+    pub(super) fn place_of_border(&self, row: f64, column: f64) -> (f64, f64) {
+        match &self.plane {
+            None => self.lattice.place_at(row, column),
+            Some(plane) => plane.place_at(row, column),
+        }
+    }
+
+    /// Whether all places between two rows and two columns are so far inside that no border counts; `None` if the border is the grid's own.
+    pub(super) fn are_deep(&self, rows: (f64, f64), columns: (f64, f64)) -> Option<bool> {
+        let plane = self.plane.as_ref()?;
+        Some(plane.are_deep(self, rows, columns))
+    }
+
+    /// Calls `weight` with the row and column of the border.
+    #[inline]
+    pub(super) fn at_border(
+        &self,
+        row: f64,
+        column: f64,
+        weight: impl FnOnce(&Self, f64, f64) -> f64,
+    ) -> f64 {
+        match &self.plane {
+            None => weight(self, row, column),
+            Some(plane) if plane.is_deep(self, row, column) => 1.0,
+            Some(plane) => {
+                let (lat_rad, lon_rad) = self.lattice.place_at(row, column);
+                let (row, column) = plane.locate(lat_rad, lon_rad);
+                weight(&plane.place, row, column)
+            }
+        }
     }
 
     /// The border's factor of the weight at a row and column, 0…1.
     #[inline]
     pub(in crate::elevation) fn inside(&self, row: f64, column: f64) -> f64 {
+        self.at_border(row, column, Self::inside_own)
+    }
+
+    fn inside_own(&self, row: f64, column: f64) -> f64 {
         let SampleLattice {
             columns,
             rows,

@@ -4,7 +4,7 @@ use super::error::FileContext;
 use super::{Header, HeightFileError};
 use crate::elevation::aux_xml::{AUX_BYTES, element, plain};
 use crate::elevation::projection::Projection;
-use crate::elevation::warp::{ProjectedGrid, Warp};
+use crate::elevation::warp::{AROUND, ProjectedGrid, Warp};
 use crate::elevation::wkt::{MAX_WKT_BYTES, TextSystem, system_of};
 use crate::elevation::world_file::{WORLD_FILE_BYTES, WorldFile};
 use crate::elevation::{Georeference, Registration};
@@ -97,7 +97,7 @@ impl Header {
             None => None,
         };
         if let Some(projection) = projection {
-            let warp = Warp::of(ProjectedGrid {
+            let projected = ProjectedGrid {
                 projection,
                 columns: grid.columns,
                 rows: grid.rows,
@@ -106,7 +106,8 @@ impl Header {
                 column_m: grid.column,
                 row_m: grid.row,
                 margin,
-            });
+            };
+            let warp = Warp::beyond(projected, AROUND);
             let warp = warp.map_err(|cause| context.unwarped(cause))?;
             self.georeference = Some(warp.place);
             self.warp = Some(warp);

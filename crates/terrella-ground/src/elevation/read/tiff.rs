@@ -9,7 +9,7 @@ use super::{Conversion, Header, HeightFileError};
 use crate::elevation::geo_tags::GeoTags;
 use crate::elevation::tiff_chunks::{TiffChunkError, TiffChunks};
 use crate::elevation::tiff_gaps::{TiffGapError, TiffMask, absent_chunks};
-use crate::elevation::warp::Warp;
+use crate::elevation::warp::{AROUND, Warp};
 use crate::elevation::{GridError, MAX_SIDE};
 use bands::{Bands, opaque};
 use std::io::{BufRead, Seek};
@@ -70,21 +70,22 @@ impl<R: BufRead + Seek> Tiff<R> {
             band: bands.height,
         };
         let mut plain = None;
-        let (georeference, is_south_first, warp) =
-            match tags.georeference(columns, rows, context)? {
-                None => (None, false, None),
-                Some(FilePlacement::Geographic(place, is_south_first)) => {
-                    (Some(place), is_south_first, None)
-                }
-                Some(FilePlacement::Projected(grid)) => {
-                    let warp = Warp::of(grid).map_err(|cause| context.unwarped(cause))?;
-                    (Some(warp.place), false, Some(warp))
-                }
-                Some(FilePlacement::Plain(grid)) => {
-                    plain = Some(grid);
-                    (None, false, None)
-                }
-            };
+        let (georeference, is_south_first, warp) = match tags
+            .georeference(columns, rows, context)?
+        {
+            None => (None, false, None),
+            Some(FilePlacement::Geographic(place, is_south_first)) => {
+                (Some(place), is_south_first, None)
+            }
+            Some(FilePlacement::Projected(grid)) => {
+                let warp = Warp::beyond(grid, AROUND).map_err(|cause| context.unwarped(cause))?;
+                (Some(warp.place), false, Some(warp))
+            }
+            Some(FilePlacement::Plain(grid)) => {
+                plain = Some(grid);
+                (None, false, None)
+            }
+        };
         let number = |text: &str| text.trim_matches(['\0', ' ', '\n']).parse::<f64>().ok();
         let no_data = match decoder.find_tag(Tag::GdalNodata).map_err(told)? {
             Some(value) => {
