@@ -27,6 +27,7 @@ mod stream;
 pub mod tiff_chunks;
 pub mod tiff_gaps;
 mod tiles;
+mod vertical_codes;
 pub mod vrt;
 pub mod warp;
 pub mod wkt;

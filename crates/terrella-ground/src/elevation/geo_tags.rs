@@ -1,6 +1,7 @@
 //! Georeferencing tags of a GeoTIFF (OGC 19-008r4), and the coordinate systems accepted for elevation data and maps.
 
 use super::projection::{Parameters, Projection};
+use super::vertical_codes::has_height;
 use std::io::{Read, Seek};
 use tiff::decoder::Decoder;
 use tiff::tags::Tag;
@@ -38,7 +39,6 @@ const USER_DEFINED: u16 = 32_767;
 /// Geographic coordinate systems (EPSG) within a few metres of WGS84.
 const NEAR_WGS84: &[u16] = &[
     4326, // WGS84
-    4979, // WGS84 with height
     9057, 9755, // WGS84 G1762, G2139
     4322, // WGS72
     4269, 4617, 4152, 4759, 6318, // NAD83: original, CSRS, HARN, NSRS2007, 2011
@@ -78,9 +78,9 @@ pub enum System {
     WebMercator,
 }
 
-/// Whether a geographic system (EPSG) is within a few metres of WGS84.
+/// Whether a geographic system (EPSG), with heights or without, is within a few metres of WGS84.
 pub fn is_near_wgs84(code: u32) -> bool {
-    u16::try_from(code).is_ok_and(|code| NEAR_WGS84.contains(&code))
+    u16::try_from(code).is_ok_and(|code| NEAR_WGS84.contains(&code)) || has_height(code)
 }
 
 /// The tags, as far as present.
@@ -206,7 +206,7 @@ impl GeoTags {
     /// A projection whose parameters are given as keys.
     fn own_projection(&self) -> Option<Projection> {
         if self.geographic().is_err()
-            || (self.key(GEOGRAPHIC_TYPE).is_none() && self.key(DATUM).is_none())
+            || (self.named_geographic().is_none() && self.key(DATUM).is_none())
         {
             return None;
         }
@@ -243,10 +243,17 @@ impl GeoTags {
         }
     }
 
+    /// The code of the geographic system; `None` if it has none of its own and its datum counts.
+    fn named_geographic(&self) -> Option<u16> {
+        let code = self.key(GEOGRAPHIC_TYPE)?;
+        let has_datum = self.key(DATUM).is_some_and(|datum| datum != USER_DEFINED);
+        (code != USER_DEFINED || !has_datum).then_some(code)
+    }
+
     /// A geographic system near WGS84 by its code, or without a code if no key contradicts WGS84.
     fn geographic(&self) -> Result<System, String> {
-        let code = self.key(GEOGRAPHIC_TYPE);
-        if code.is_some_and(|code| !NEAR_WGS84.contains(&code)) {
+        let code = self.named_geographic();
+        if code.is_some_and(|code| !is_near_wgs84(code.into())) {
             return Err(named("the geographic coordinates", code));
         }
         self.check_figure()?;
@@ -268,7 +275,7 @@ impl GeoTags {
     /// Checks the keys of datum, ellipsoid and prime meridian; they may contradict the system's code.
     fn check_figure(&self) -> Result<(), String> {
         let other = |key: u16, known: &[u16]| self.key(key).filter(|code| !known.contains(code));
-        if self.key(GEOGRAPHIC_TYPE).is_none()
+        if self.named_geographic().is_none()
             && let Some(datum) = other(DATUM, DATUMS)
         {
             return Err(named("the datum", Some(datum)));

@@ -2,6 +2,7 @@
 
 use super::geo_tags::is_near_wgs84;
 use super::projection::{Parameters, Projection};
+use super::vertical_codes::has_height;
 
 /// Maximum text length, bytes.
 pub const MAX_WKT_BYTES: u64 = 64 << 10;
@@ -14,7 +15,7 @@ const NAME_CHARS: usize = 60;
 
 /// Datums whose degrees are within a few metres of WGS84, for texts without a code; in lower case without
 /// punctuation.
-const DATUMS: [&str; 9] = [
+const DATUMS: [&str; 38] = [
     "wgs1984",
     "wgs84",
     "dwgs1984",
@@ -23,7 +24,39 @@ const DATUMS: [&str; 9] = [
     "northamericandatum1983",
     "dnorthamerican1983",
     "europeanterrestrialreferencesystem1989",
+    "europeanterrestrialreferencesystem1989ensemble",
     "detrs1989",
+    // RGF93, GDA94, GDA2020, NZGD2000, SIRGAS 2000, JGD2000 and 2011.
+    "reseaugeodesiquefrancais1993",
+    "reseaugeodesiquefrancais1993v1",
+    "reseaugeodesiquefrancais1993v2",
+    "drgf1993",
+    "geocentricdatumofaustralia1994",
+    "dgda1994",
+    "geocentricdatumofaustralia2020",
+    "gda2020",
+    "newzealandgeodeticdatum2000",
+    "dnzgd2000",
+    "sistemadereferenciageocentricoparalasamericas2000",
+    "dsirgas2000",
+    "japanesegeodeticdatum2000",
+    "djgd2000",
+    "japanesegeodeticdatum2011",
+    "djgd2011",
+    // NAD83 of 2011, NSRS2007, HARN and CSRS.
+    "nad83nationalspatialreferencesystem2011",
+    "dnad19832011",
+    "nad83nationalspatialreferencesystem2007",
+    "dnad1983nsrs2007",
+    "nad83highaccuracyreferencenetwork",
+    "dnorthamerican1983harn",
+    "nad83canadianspatialreferencesystem",
+    "dnorthamerican1983csrs",
+    // CGCS2000, Hartebeesthoek94.
+    "china2000",
+    "dchina2000",
+    "hartebeesthoek94",
+    "dhartebeesthoek1994",
 ];
 
 /// Names of Web Mercator, in the same form.
@@ -41,7 +74,10 @@ const WEB_MERCATOR_CODES: [u32; 5] = [3857, 3785, 900_913, 102_100, 102_113];
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TextSystem {
     /// Degrees of WGS84 or of a system close to it.
-    Degrees,
+    Degrees {
+        /// Whether it has heights above the ellipsoid too.
+        with_height: bool,
+    },
     /// Metres of Web Mercator.
     WebMercator,
     /// Metres of a projection with a datum within a few metres of WGS84.
@@ -54,7 +90,7 @@ pub enum TextSystem {
 /// The cause: not a text of this kind, or an unsupported system.
 pub fn system_of(text: &str) -> Result<TextSystem, String> {
     if is_old_degrees(text) {
-        return Ok(TextSystem::Degrees);
+        return Ok(TextSystem::Degrees { with_height: false });
     }
     let root = Reader { rest: text }
         .node(0)
@@ -78,7 +114,10 @@ pub fn system_of(text: &str) -> Result<TextSystem, String> {
         "GEOGCS" | "GEOGCRS" | "GEOGRAPHICCRS" | "GEODCRS" | "GEODETICCRS" => {
             root.check_geographic()
                 .map_err(|why| format!("{}, {why}", other()))?;
-            Ok(TextSystem::Degrees)
+            let axes = root.child(&["CS"]).and_then(|axes| axes.number(1));
+            Ok(TextSystem::Degrees {
+                with_height: axes == Some(3.0) || root.code().is_some_and(has_height),
+            })
         }
         _ => Err(other()),
     }
@@ -304,7 +343,8 @@ mod tests {
                       (Lat)\",north,\n            ORDER[1],\n            ANGLEUNIT[\"degree\",0.0174532925199433]],\n    \
                       ID[\"EPSG\",4326]]\n";
         for text in [esri, gdal, second] {
-            assert_eq!(system_of(text), Ok(TextSystem::Degrees), "{text}");
+            let degrees = TextSystem::Degrees { with_height: false };
+            assert_eq!(system_of(text), Ok(degrees), "{text}");
         }
         let esri = "PROJCS[\"WGS_1984_Web_Mercator_Auxiliary_Sphere\",GEOGCS[\"GCS_WGS_1984\",DATUM[\"D_WGS_1984\",\
                     SPHEROID[\"WGS_1984\",6378137.0,298.257223563]],PRIMEM[\"Greenwich\",0.0],UNIT[\"Degree\",\
@@ -315,6 +355,67 @@ mod tests {
         for text in [esri, gdal] {
             assert_eq!(system_of(text), Ok(TextSystem::WebMercator), "{text}");
         }
+    }
+
+    /// Texts without codes as PROJ writes them, and coordinates as it computes them.
+    #[test]
+    fn national_datums_near_wgs84_are_known() {
+        let text = |name: &str, datum: &str, projection: &str| {
+            format!(
+                "PROJCS[\"{name}\",GEOGCS[\"GCS\",DATUM[\"{datum}\",SPHEROID[\"GRS_1980\",6378137.0,298.257222101]],\
+                 PRIMEM[\"Greenwich\",0.0],UNIT[\"Degree\",0.0174532925199433]],{projection},UNIT[\"Meter\",1.0]]"
+            )
+        };
+        let transverse = |lon: f64, lat: f64, scale: f64, east: f64, north: f64| {
+            format!(
+                "PROJECTION[\"Transverse_Mercator\"],PARAMETER[\"False_Easting\",{east}],PARAMETER[\"False_Northing\",{north}],\
+                 PARAMETER[\"Central_Meridian\",{lon}],PARAMETER[\"Scale_Factor\",{scale}],PARAMETER[\"Latitude_Of_Origin\",{lat}]"
+            )
+        };
+        let lambert = "PROJECTION[\"Lambert_Conformal_Conic\"],PARAMETER[\"False_Easting\",700000.0],PARAMETER[\"False_Northing\",6600000.0],\
+                       PARAMETER[\"Central_Meridian\",3.0],PARAMETER[\"Standard_Parallel_1\",49.0],PARAMETER[\"Standard_Parallel_2\",44.0],\
+                       PARAMETER[\"Latitude_Of_Origin\",46.5]";
+        for (text, place_deg, metres) in [
+            (
+                text("RGF_1993_Lambert_93", "D_RGF_1993", lambert),
+                (48.85, 2.35),
+                (652_301.564_8, 6_861_302.725_9),
+            ),
+            (
+                text(
+                    "NZTM",
+                    "New_Zealand_Geodetic_Datum_2000",
+                    &transverse(173.0, 0.0, 0.9996, 1.6e6, 1e7),
+                ),
+                (-41.29, 174.78),
+                (1_749_045.802_9, 5_427_521.383_4),
+            ),
+            (
+                text(
+                    "JGD_2011_Japan_Zone_9",
+                    "D_JGD_2011",
+                    &transverse(139.833_333_333_333, 36.0, 0.9999, 0.0, 0.0),
+                ),
+                (35.7, 139.7),
+                (-12_065.988_6, -33_275.345_7),
+            ),
+        ] {
+            let Ok(TextSystem::Projected(projection)) = system_of(&text) else {
+                panic!("{text}: {:?}", system_of(&text));
+            };
+            let (lat_deg, lon_deg): (f64, f64) = place_deg;
+            let got = projection.forward_m(lat_deg.to_radians(), lon_deg.to_radians());
+            let off_m = (got.0 - metres.0).hypot(got.1 - metres.1);
+            assert!(off_m < 1e-3, "{got:?}, not {metres:?}");
+        }
+        let with_height = "GEOGCRS[\"WGS 84\",ENSEMBLE[\"World Geodetic System 1984 ensemble\"],CS[ellipsoidal,3],\
+                           AXIS[\"geodetic latitude (Lat)\",north,ANGLEUNIT[\"degree\",0.0174532925199433]]]";
+        let degrees = TextSystem::Degrees { with_height: true };
+        assert_eq!(system_of(with_height), Ok(degrees));
+        let by_code = with_height
+            .replace("3]", "2]")
+            .replace("]]]", "]],ID[\"EPSG\",4937]]");
+        assert_eq!(system_of(&by_code), Ok(degrees));
     }
 
     #[test]
@@ -367,7 +468,10 @@ mod tests {
             Projection::of_code(3413).map(TextSystem::Projected)
         );
         let old = "Projection    GEOGRAPHIC\nDatum         WGS84\nSpheroid      WGS84\nUnits         DD\nZunits        NO\nParameters\n";
-        assert_eq!(system_of(old), Ok(TextSystem::Degrees));
+        assert_eq!(
+            system_of(old),
+            Ok(TextSystem::Degrees { with_height: false })
+        );
         assert!(system_of(&old.replace("WGS84", "NAD27")).is_err());
     }
 }

@@ -300,7 +300,7 @@ fn of_text(path: &Path) -> Result<Option<SaidBeside>, BuildError> {
 
 fn crs_in(file: &Path, text: &str) -> Result<SaidBeside, BuildError> {
     match system_in(text) {
-        Ok(TextSystem::Degrees) => Ok(SaidBeside::Crs(Crs::Geographic)),
+        Ok(TextSystem::Degrees { .. }) => Ok(SaidBeside::Crs(Crs::Geographic)),
         Ok(TextSystem::WebMercator) => Ok(SaidBeside::Crs(Crs::WebMercator)),
         Ok(TextSystem::Projected(projection)) => Ok(SaidBeside::Projected(projection)),
         Err(cause) => Err(FileContext::new(file).rejected(

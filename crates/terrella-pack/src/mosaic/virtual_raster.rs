@@ -42,7 +42,7 @@ fn parts_of(vrt: &Vrt) -> Result<Vec<Part>, String> {
         Some("EPSG:4326") => (Crs::Geographic, 1.0),
         Some("EPSG:3857") => (Crs::WebMercator, METRES_PER_DEG),
         Some(text) => match system_of(text)? {
-            TextSystem::Degrees => (Crs::Geographic, 1.0),
+            TextSystem::Degrees { .. } => (Crs::Geographic, 1.0),
             TextSystem::WebMercator => (Crs::WebMercator, METRES_PER_DEG),
             TextSystem::Projected(_) => {
                 return Err("lies in a projection other than Web Mercator".to_string());

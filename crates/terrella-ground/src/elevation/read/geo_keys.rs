@@ -6,6 +6,9 @@ use super::plain::PlainGrid;
 use super::sidecar::HeightUnit;
 use crate::elevation::geo_tags::{GEOGRAPHIC_TYPE, GeoTags, MODEL_TYPE, RASTER_TYPE, System};
 use crate::elevation::geoid::VerticalDatum;
+use crate::elevation::vertical_codes::{
+    has_height, is_in_feet, is_in_us_survey_feet, is_of_depths,
+};
 use crate::elevation::warp::ProjectedGrid;
 use crate::elevation::{Georeference, Registration};
 use terrella_files::excerpt;
@@ -185,9 +188,24 @@ impl HeightTags {
             context.rejected(
                 what,
                 "metres or feet",
-                format!("`gdal_translate -a_scale … {} OUT.tif`, then write unit = \"metres\" in a sidecar", context.path().display()),
+                format!(
+                    "`gdal_edit.py -units m -scale METRES_PER_UNIT {}`",
+                    context.path().display()
+                ),
             )
         };
+        if let Some(code) = self.geo.key(VERTICAL_TYPE).map(u32::from)
+            && is_of_depths(code)
+        {
+            return Err(context.rejected(
+                format!("has depths (EPSG:{code}), which grow downwards"),
+                "heights, which grow upwards",
+                format!(
+                    "`gdal_calc.py -A {} --calc=-A --outfile=OUT.tif`, then `gdal_edit.py -a_srs EPSG:4326 OUT.tif`, and unit and above in a sidecar",
+                    context.path().display()
+                ),
+            ));
+        }
         match self.geo.key(VERTICAL_UNITS) {
             Some(9001) => return Ok(Some(HeightUnit::Metres)),
             Some(9002) => return Ok(Some(HeightUnit::Feet)),
@@ -201,16 +219,18 @@ impl HeightTags {
                 .map(Some)
                 .ok_or_else(|| unknown(format!("has heights of the unit {shown:?}")));
         }
-        Ok(match self.geo.key(VERTICAL_TYPE) {
+        let geographic = self.geo.key(GEOGRAPHIC_TYPE).map(u32::from);
+        Ok(match self.geo.key(VERTICAL_TYPE).map(u32::from) {
             // EGM2008, EGM96, EGM84, mean sea level, NAVD88, EVRF2000 and 2007, DHHN2016, ODN.
             Some(3855 | 5773 | 5798 | 5714 | 5703 | 5730 | 5621 | 7837 | 5701) => {
                 Some(HeightUnit::Metres)
             }
-            // NAVD88 in feet.
-            Some(8228) => Some(HeightUnit::Feet),
-            // NAVD88 and NGVD29 in US survey feet.
-            Some(6360 | 5702) => Some(HeightUnit::UsSurveyFeet),
-            _ => (self.geo.key(GEOGRAPHIC_TYPE) == Some(4979)).then_some(HeightUnit::Metres),
+            Some(code) if is_in_feet(code) => Some(HeightUnit::Feet),
+            Some(code) if is_in_us_survey_feet(code) => Some(HeightUnit::UsSurveyFeet),
+            Some(code) if has_height(code) => Some(HeightUnit::Metres),
+            _ => geographic
+                .is_some_and(has_height)
+                .then_some(HeightUnit::Metres),
         })
     }
 

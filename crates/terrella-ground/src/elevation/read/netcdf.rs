@@ -88,7 +88,7 @@ impl<R: BufRead + Seek> NetCdf<R> {
                     format!("has heights of the unit {word:?}"),
                     "metres or feet",
                     format!(
-                        "`ncatted -a units,{},d,, {}` and a unit in a sidecar",
+                        "`ncap2 -s '{0}={0}*METRES_PER_UNIT; {0}@units=\"m\"' {1} OUT.nc`",
                         chosen.name,
                         context.path().display()
                     ),

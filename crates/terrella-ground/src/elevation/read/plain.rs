@@ -3,6 +3,7 @@
 use super::error::FileContext;
 use super::{Header, HeightFileError};
 use crate::elevation::aux_xml::{AUX_BYTES, element, plain};
+use crate::elevation::geoid::VerticalDatum;
 use crate::elevation::projection::Projection;
 use crate::elevation::warp::{AROUND, ProjectedGrid, Warp};
 use crate::elevation::wkt::{MAX_WKT_BYTES, TextSystem, system_of};
@@ -75,6 +76,9 @@ impl Header {
         let Some(grid) = self.plain else {
             return Ok(());
         };
+        if let Some(TextSystem::Degrees { with_height: true }) = system {
+            self.above.get_or_insert(VerticalDatum::Ellipsoid);
+        }
         // Half a cell beyond the limits on all sides is accepted.
         let margin = match grid.registration {
             Registration::Cells => 0.5,
@@ -83,7 +87,7 @@ impl Header {
         let projection = match system {
             Some(TextSystem::Projected(projection)) => Some(projection),
             Some(TextSystem::WebMercator) => Projection::of_code(3857),
-            Some(TextSystem::Degrees) => None,
+            Some(TextSystem::Degrees { .. }) => None,
             None if grid.needs_system => {
                 return Err(context.rejected(
                     "does not state its coordinate system",

@@ -69,7 +69,7 @@ impl Variable {
         let positive = text(&self.attributes, "positive");
         let name = text(&self.attributes, "standard_name");
         positive.is_some_and(|word| word.eq_ignore_ascii_case("down"))
-            || name.is_some_and(|name| name.starts_with("sea_floor_depth_below"))
+            || name.is_some_and(|name| name == "depth" || name.starts_with("sea_floor_depth_below"))
     }
 
     /// Vertical datum of its heights, `None` if its standard name does not state it.

@@ -349,6 +349,13 @@ fn heights_above_the_ellipsoid_are_brought_to_the_sea() {
             "",
             Some(VerticalDatum::Ellipsoid),
         ),
+        // ETRS89 and GDA2020 with height, as GDAL writes them.
+        (
+            &[(2048, 4258), (4096, 4937)],
+            "",
+            Some(VerticalDatum::Ellipsoid),
+        ),
+        (&[(2048, 7843)], "", Some(VerticalDatum::Ellipsoid)),
         (
             &[(2048, 4326)],
             "above = \"ellipsoid\"",
@@ -367,6 +374,11 @@ fn heights_above_the_ellipsoid_are_brought_to_the_sea() {
             Some(VerticalDatum::Ellipsoid) => holds(&file, NORTH_WEST, 1.0, (6, 4), lowered),
             _ => holds(&file, NORTH_WEST, 1.0, (6, 4), height),
         }
+    }
+    for depth in [5715, 5861, 6358] {
+        let said = with(&[(2048, 4326), (4096, depth)], "").expect_err("depths");
+        let words = format!("has depths (EPSG:{depth}), which grow downwards");
+        assert!(said.to_string().contains(&words), "{said}");
     }
     let said = with(&[(2048, 4326), (4096, 5773)], "above = \"ellipsoid\"").expect_err("two");
     assert!(
@@ -432,9 +444,10 @@ fn projected_heights_are_warped() {
         }
     }
     // Keys that spell out EPSG:32633, and one that is no projection near WGS84.
-    let spelt = |geographic: u16| {
+    let spelt_of = |geographic: u16, datum: u16| {
         let mut directory = vec![
-            1, 1, 0, 9, 1024, 0, 1, 1, 1025, 0, 1, 1, 2048, 0, 1, geographic, 3072, 0, 1, 32_767,
+            1, 1, 0, 10, 1024, 0, 1, 1, 1025, 0, 1, 1, 2048, 0, 1, geographic, 2050, 0, 1, datum,
+            3072, 0, 1, 32_767,
         ];
         directory.extend([
             3075, 0, 1, 1, 3080, 34_736, 1, 0, 3082, 34_736, 1, 1, 3092, 34_736, 1, 2, 4099, 0, 1,
@@ -449,6 +462,11 @@ fn projected_heights_are_warped() {
                 doubles(&[0.0, 0.0, 0.0, 400_000.0, 5_200_000.0, 0.0]),
             )
     };
+    let spelt = |geographic| spelt_of(geographic, 6326);
+    // As GDAL writes the text "+proj=utm +zone=33 +datum=WGS84".
+    assert!(read(spelt_of(32_767, 6326).bytes(), "").is_ok());
+    assert!(read(spelt_of(32_767, 32_767).bytes(), "").is_err());
+    assert!(read(spelt_of(32_767, 6267).bytes(), "").is_err());
     // With two samples around.
     let bounds = read(spelt(4326).bytes(), "").expect("good").grid.bounds();
     let (_, west) = Projection::of_code(32_633)

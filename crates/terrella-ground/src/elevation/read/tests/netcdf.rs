@@ -147,6 +147,20 @@ fn a_standard_name_says_what_heights_stand_above() {
 }
 
 #[test]
+fn a_standard_name_of_depths_turns_them() {
+    let high_m = |name| {
+        let attributes = [METRES, ("standard_name", name)];
+        let file = cdf5(
+            [("lat", "degrees_north"), ("lon", "degrees_east")],
+            &attributes,
+        );
+        read(file, "").expect("heights").grid.stats().range
+    };
+    let (up, down) = (high_m("surface_altitude"), high_m("depth"));
+    assert_eq!((up.low_m, up.high_m), (-down.high_m, -down.low_m));
+}
+
+#[test]
 fn grids_of_early_gmt_are_named() {
     let said = said(std::fs::read(data("gmt_3.grd")).expect("a file"), "");
     assert!(
