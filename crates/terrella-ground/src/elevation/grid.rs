@@ -1,6 +1,7 @@
 //! Elevation grids at equal steps of latitude and longitude, held in memory.
 
 pub(super) mod build;
+mod feather;
 mod georeference;
 pub(super) mod holes;
 pub(super) mod joins;
@@ -229,11 +230,11 @@ impl HeightGrid {
         self.weight_at(row, column, joins)
     }
 
-    /// The same grid with the border of the projected samples that it was resampled from.
+    /// The same grid with the border of the projected samples that it was resampled from, if it was.
     ///
     /// # Errors
     /// A projected grid that places no samples.
-    pub(super) fn with_border_of(mut self, warp: &Warp) -> Result<Self, GridError> {
+    pub(super) fn with_border_of(mut self, warp: Option<&Warp>) -> Result<Self, GridError> {
         self.place = self.place.with_border_of(warp)?;
         Ok(self)
     }

@@ -195,7 +195,7 @@ fn projected(origin: &ProjectedGrid, right: f64, down: f64) -> Arc<HeightGrid> {
         }));
     }
     let grid = HeightGrid::new(&warp.place, heights_m, &GridLimits::default());
-    let grid = grid.and_then(|grid| grid.with_border_of(&warp));
+    let grid = grid.and_then(|grid| grid.with_border_of(Some(&warp)));
     Arc::new(grid.expect("a grid"))
 }
 

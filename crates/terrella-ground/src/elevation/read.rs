@@ -407,11 +407,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
 
     /// Placement of the samples.
     pub(super) fn placement(&self) -> Result<Placement, HeightFileError> {
-        let place = Placement::new(&self.georeference()?);
-        let place = match &self.header.warp {
-            Some(warp) => place.and_then(|place| place.with_border_of(warp)),
-            None => place,
-        };
+        let place = Placement::of(&self.georeference()?, self.header.warp.as_ref());
         place.map_err(self.rejection())
     }
 
@@ -565,12 +561,9 @@ impl<R: BufRead + Seek> HeightReader<R> {
             Ok::<_, HeightFileError>(())
         })?;
         let denoised = denoise.map(|denoise| denoise.clean(columns, &mut heights_m));
-        let grid = HeightGrid::new(&georeference, heights_m, limits);
-        let grid = match &warp {
-            Some(warp) => grid.and_then(|grid| grid.with_border_of(warp)),
-            None => grid,
-        };
-        let grid = grid.map_err(|error| context.grid(error))?;
+        let grid = HeightGrid::new(&georeference, heights_m, limits)
+            .and_then(|grid| grid.with_border_of(warp.as_ref()))
+            .map_err(|error| context.grid(error))?;
         Ok(HeightFile {
             grid,
             above,

@@ -9,30 +9,23 @@
 //! with s smooth from 0 to 1. On a border without a neighbour, d is the distance to the border. Joined grids have the same feather
 //! width, so that weights continue from one to the other.
 
-use super::outside::Outside;
-use super::placement::{Placement, smooth};
+use super::feather::{Feather, smooth};
+use super::outside::{EAST, NORTH, Outside, SOUTH, TOUCH, WEST};
+use super::placement::Placement;
 use crate::elevation::{Bounds, PlacedBounds};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Spacings within this factor are similar. Otherwise the finer grid blends into the coarser one.
 const LIKE: f64 = 2.0;
-/// Largest gap between touching grids, in samples of the coarser: the outermost posts of tiles that share none.
-pub(super) const TOUCH: f64 = 1.01;
-
-pub(super) const WEST: usize = 0;
-pub(super) const EAST: usize = 1;
-pub(super) const NORTH: usize = 2;
-pub(super) const SOUTH: usize = 3;
-
 /// Connections of a grid with other grids.
 #[derive(Clone, Debug, Default)]
 pub struct Joins(Option<Box<Joined>>);
 
 #[derive(Clone, Debug)]
-pub(super) struct Joined {
+struct Joined {
     /// Stretches of the western, eastern, northern and southern border without a neighbour, in rows or
     /// columns.
-    pub(super) open: [Vec<(f64, f64)>; 4],
+    open: [Vec<(f64, f64)>; 4],
     /// How far the grid extends beyond a border with a neighbour, samples: half of the gap.
     reach: [Option<f64>; 4],
     /// Increase of the weight per row and per column inwards, before smoothing.
@@ -61,7 +54,7 @@ impl Joins {
                 let (joins, is_one_frame) = match (&grid.plane, &other.plane) {
                     (None, None) => (all[n].join(grid, other, n < m), true),
                     (own, its) => (
-                        outsides[n].join(&mut all[n], grid, other, n < m),
+                        all[n].join_outside(&outsides[n], grid, other, n < m),
                         own.as_ref()
                             .zip(its.as_ref())
                             .is_some_and(|(a, b)| a.is_of(b)),
@@ -153,7 +146,7 @@ fn share_widths(grids: &[&Placement], pairs: &[(usize, usize)], all: &mut [Joine
 }
 
 impl Joined {
-    fn alone(place: &Placement) -> Self {
+    fn alone(place: &Feather) -> Self {
         let lattice = &place.lattice;
         let margin = lattice.margin();
         let whole = |count: usize, is_border: bool| match is_border {
@@ -180,8 +173,8 @@ impl Joined {
         let lat_near = TOUCH * lattice.lat_step_rad.max(other.lattice.lat_step_rad);
         let lon_near = TOUCH * lattice.lon_step_rad.max(other.lattice.lon_step_rad);
         let widths = (
-            lattice.lat_step_rad / place.ramps.0,
-            lattice.lon_step_rad / place.ramps.1,
+            lattice.lat_step_rad / place.border().ramps.0,
+            lattice.lon_step_rad / place.border().ramps.1,
         );
         let mut joins = false;
         for side in [WEST, EAST, NORTH, SOUTH] {
@@ -219,14 +212,26 @@ impl Joined {
         joins
     }
 
-    /// Removes covered stretches of a side, with a gap to the neighbour of so many samples. Returns whether there were any.
-    pub(super) fn cover(
+    /// The same where a border is not along parallels and meridians.
+    fn join_outside(
         &mut self,
-        side: usize,
-        covered: Vec<(f64, f64)>,
-        gap: f64,
+        outside: &Outside,
+        grid: &Placement,
+        other: &Placement,
         is_above: bool,
     ) -> bool {
+        let mut joins = false;
+        for side in [WEST, EAST, NORTH, SOUTH] {
+            if !self.open[side].is_empty() {
+                let (covered, gap) = outside.covered(side, grid, other, is_above);
+                joins |= self.cover(side, covered, gap, is_above);
+            }
+        }
+        joins
+    }
+
+    /// Removes covered stretches of a side, with a gap to the neighbour of so many samples. Returns whether there were any.
+    fn cover(&mut self, side: usize, covered: Vec<(f64, f64)>, gap: f64, is_above: bool) -> bool {
         let open = &mut self.open[side];
         let before = open.clone();
         for stretch in covered {
@@ -242,7 +247,7 @@ impl Joined {
         true
     }
 
-    fn inside(&self, place: &Placement, row: f64, column: f64) -> f64 {
+    fn inside(&self, place: &Feather, row: f64, column: f64) -> f64 {
         let lattice = &place.lattice;
         let margin = lattice.margin();
         let (last_row, last_column) = ((lattice.rows - 1) as f64, (lattice.columns - 1) as f64);

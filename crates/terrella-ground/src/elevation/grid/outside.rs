@@ -1,8 +1,15 @@
 //! Where neighbours continue a grid whose border, or theirs, is not along parallels and meridians: by places beyond the border.
 
-use super::joins::{EAST, Joined, NORTH, SOUTH, TOUCH, WEST};
 use super::placement::Placement;
 use std::f64::consts::TAU;
+
+pub(super) const WEST: usize = 0;
+pub(super) const EAST: usize = 1;
+pub(super) const NORTH: usize = 2;
+pub(super) const SOUTH: usize = 3;
+
+/// Largest gap between touching grids, in samples of the coarser: the outermost posts of tiles that share none.
+pub(super) const TOUCH: f64 = 1.01;
 
 /// Intervals along a side between places that are tried.
 const INTERVALS: usize = 32;
@@ -38,54 +45,46 @@ impl Outside {
         Self { sides }
     }
 
-    /// Removes the stretches of a grid's border that a neighbour covers. Returns whether there are any.
-    pub fn join(
+    /// The stretches of a side that a neighbour covers, in rows or columns, and the gap between the two, samples.
+    pub fn covered(
         &self,
-        joined: &mut Joined,
+        side: usize,
         grid: &Placement,
         other: &Placement,
         is_above: bool,
-    ) -> bool {
-        let mut joins = false;
-        for side in [WEST, EAST, NORTH, SOUTH] {
-            if joined.open[side].is_empty() {
-                continue;
-            }
-            // The upper grid blends into the lower one where that extends far enough beneath it.
-            let (_, width) = along_and_width(grid, side);
-            let is_covered = |along: f64, beyond| {
-                covers(other, beyond)
-                    && !(is_above && covers(other, place(grid, side, along, -width)))
-            };
-            let at = |along: f64| is_covered(along, place(grid, side, along, TOUCH));
-            let mut stretches = Vec::new();
-            let mut begun: Option<f64> = None;
-            let mut gap: f64 = 0.0;
-            let mut before: Option<f64> = None;
-            for &(along, beyond) in &self.sides[side] {
-                let is_in = is_covered(along, beyond);
-                match (is_in, begun) {
-                    (true, None) => {
-                        begun = Some(before.map_or(along, |out| change(&at, along, out)));
-                    }
-                    (false, Some(from)) => {
-                        let last = before.unwrap_or(from);
-                        stretches.push((from, change(&at, last, along)));
-                        begun = None;
-                    }
-                    _ => {}
+    ) -> (Vec<(f64, f64)>, f64) {
+        // The upper grid blends into the lower one where that extends far enough beneath it.
+        let (_, width) = along_and_width(grid, side);
+        let is_covered = |along: f64, beyond| {
+            covers(other, beyond) && !(is_above && covers(other, place(grid, side, along, -width)))
+        };
+        let at = |along: f64| is_covered(along, place(grid, side, along, TOUCH));
+        let mut stretches = Vec::new();
+        let mut begun: Option<f64> = None;
+        let mut gap: f64 = 0.0;
+        let mut before: Option<f64> = None;
+        for &(along, beyond) in &self.sides[side] {
+            let is_in = is_covered(along, beyond);
+            match (is_in, begun) {
+                (true, None) => {
+                    begun = Some(before.map_or(along, |out| change(&at, along, out)));
                 }
-                if is_in {
-                    gap = gap.max(gap_at(grid, other, side, along));
+                (false, Some(from)) => {
+                    let last = before.unwrap_or(from);
+                    stretches.push((from, change(&at, last, along)));
+                    begun = None;
                 }
-                before = Some(along);
+                _ => {}
             }
-            if let (Some(from), Some(last)) = (begun, before) {
-                stretches.push((from, last));
+            if is_in {
+                gap = gap.max(gap_at(grid, other, side, along));
             }
-            joins |= joined.cover(side, stretches, gap, is_above);
+            before = Some(along);
         }
-        joins
+        if let (Some(from), Some(last)) = (begun, before) {
+            stretches.push((from, last));
+        }
+        (stretches, gap)
     }
 }
 

@@ -1,8 +1,9 @@
 //! Placement of a grid, and its transition to the source beneath.
 
+use super::feather::Feather;
 use super::georeference::SampleLattice;
 use super::plane::Plane;
-use super::{FEATHER_SAMPLES, Georeference, GridError};
+use super::{Georeference, GridError};
 use crate::elevation::Bounds;
 use crate::elevation::warp::Warp;
 use std::f64::consts::{PI, TAU};
@@ -16,17 +17,9 @@ pub struct Placement {
     pub bounds: Bounds,
     /// Angle between neighbouring samples, radians: along a column or along the row nearest to the equator, whichever is less.
     pub finest_rad: f64,
-    /// Increase of the weight per row and per column inwards, before smoothing.
-    pub(super) ramps: (f64, f64),
+    feather: Feather,
     /// The plane of the samples that the grid was resampled from, which has the border.
     pub(super) plane: Option<Arc<Plane>>,
-}
-
-/// Smooth step from 0 to 1 with zero slope at both ends.
-#[inline]
-pub(super) fn smooth(part: f64) -> f64 {
-    let part = part.clamp(0.0, 1.0);
-    part * part * (3.0 - 2.0 * part)
 }
 
 impl Placement {
@@ -36,33 +29,47 @@ impl Placement {
     /// A georeference that places no samples.
     pub fn new(georeference: &Georeference) -> Result<Self, GridError> {
         let lattice = georeference.lattice()?;
-        let ramp = |count: usize| {
-            let side = (count - 1) as f64 + 2.0 * lattice.margin();
-            1.0 / FEATHER_SAMPLES.max(side / 16.0).min(0.25 * side)
-        };
         Ok(Self {
             lattice,
             bounds: georeference.bounds(),
             finest_rad: lattice
                 .lat_step_rad
                 .min(lattice.lon_step_rad * lattice.widest_cos()),
-            ramps: (ramp(lattice.rows), ramp(lattice.columns)),
+            feather: Feather::of(lattice),
             plane: None,
         })
     }
 
-    /// The same placement with the border of the projected samples that the grid was resampled from.
+    /// The placement of a georeference that was resampled from projected samples, or was not.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub(in crate::elevation) fn of(
+        georeference: &Georeference,
+        warp: Option<&Warp>,
+    ) -> Result<Self, GridError> {
+        Self::new(georeference)?.with_border_of(warp)
+    }
+
+    /// The same placement with the border of the projected samples that the grid was resampled from, if it was.
     ///
     /// # Errors
     /// A projected grid that places no samples.
-    pub(in crate::elevation) fn with_border_of(mut self, warp: &Warp) -> Result<Self, GridError> {
-        self.plane = Some(Arc::new(Plane::new(warp, &self)?));
+    pub(in crate::elevation) fn with_border_of(
+        mut self,
+        warp: Option<&Warp>,
+    ) -> Result<Self, GridError> {
+        if let Some(warp) = warp {
+            self.plane = Some(Arc::new(Plane::new(warp, &self.lattice)?));
+        }
         Ok(self)
     }
 
-    /// The placement of the samples that have the border.
-    pub(super) fn border(&self) -> &Self {
-        self.plane.as_ref().map_or(self, |plane| &plane.place)
+    /// The feather along the border.
+    pub(super) fn border(&self) -> &Feather {
+        self.plane
+            .as_ref()
+            .map_or(&self.feather, |plane| &plane.feather)
     }
 
     /// The border's row and column of a place, radians.
@@ -84,7 +91,7 @@ impl Placement {
     /// Whether all places between two rows and two columns are so far inside that no border counts; `None` if the border is the grid's own.
     pub(super) fn are_deep(&self, rows: (f64, f64), columns: (f64, f64)) -> Option<bool> {
         let plane = self.plane.as_ref()?;
-        Some(plane.are_deep(self, rows, columns))
+        Some(plane.are_deep(&self.lattice, rows, columns))
     }
 
     /// Calls `weight` with the row and column of the border.
@@ -93,15 +100,15 @@ impl Placement {
         &self,
         row: f64,
         column: f64,
-        weight: impl FnOnce(&Self, f64, f64) -> f64,
+        weight: impl FnOnce(&Feather, f64, f64) -> f64,
     ) -> f64 {
         match &self.plane {
-            None => weight(self, row, column),
-            Some(plane) if plane.is_deep(self, row, column) => 1.0,
+            None => weight(&self.feather, row, column),
+            Some(plane) if plane.is_deep(&self.lattice, row, column) => 1.0,
             Some(plane) => {
                 let (lat_rad, lon_rad) = self.lattice.place_at(row, column);
                 let (row, column) = plane.locate(lat_rad, lon_rad);
-                weight(&plane.place, row, column)
+                weight(&plane.feather, row, column)
             }
         }
     }
@@ -109,40 +116,7 @@ impl Placement {
     /// The border's factor of the weight at a row and column, 0…1.
     #[inline]
     pub(in crate::elevation) fn inside(&self, row: f64, column: f64) -> f64 {
-        self.at_border(row, column, Self::inside_own)
-    }
-
-    fn inside_own(&self, row: f64, column: f64) -> f64 {
-        let SampleLattice {
-            columns,
-            rows,
-            is_periodic,
-            reaches_north,
-            reaches_south,
-            ..
-        } = self.lattice;
-        if is_periodic && reaches_north && reaches_south {
-            return 1.0;
-        }
-        let margin = self.lattice.margin();
-        let ramp = |from_border: f64, per_sample: f64| smooth(from_border * per_sample);
-        let mut weight = 1.0;
-        if !is_periodic {
-            let west = column + margin;
-            let east = (columns - 1) as f64 + margin - column;
-            weight *= ramp(west.min(east), self.ramps.1);
-        }
-        let north = if reaches_north {
-            f64::INFINITY
-        } else {
-            row + margin
-        };
-        let south = if reaches_south {
-            f64::INFINITY
-        } else {
-            (rows - 1) as f64 + margin - row
-        };
-        weight * ramp(north.min(south), self.ramps.0)
+        self.at_border(row, column, Feather::inside)
     }
 
     /// Samples of a row, and rows.

@@ -1,7 +1,8 @@
 //! The border of a grid that was resampled from a projection: that of the projected samples, which the bounds of the grid surround.
 
 use super::GridError;
-use super::placement::Placement;
+use super::feather::Feather;
+use super::georeference::SampleLattice;
 use crate::elevation::projection::Projection;
 use crate::elevation::warp::{ProjectedGrid, Warp};
 use crate::elevation::{Georeference, Registration};
@@ -16,22 +17,22 @@ const PARTS: usize = 64;
 #[derive(Clone, Debug)]
 pub(in crate::elevation) struct Plane {
     projection: Projection,
-    /// Their placement, the northern row first, with metres as in [`RAD_PER_M`].
-    pub(super) place: Placement,
+    /// Their feather, the northern row first, with metres as in [`RAD_PER_M`].
+    pub(super) feather: Feather,
     /// Whether a part of the resampled grid is so far inside that no border counts there.
     is_deep: Vec<bool>,
 }
 
 impl Plane {
-    /// The plane of a resampled grid, whose placement is `resampled`.
+    /// The plane of a grid whose resampled lattice is given.
     ///
     /// # Errors
     /// A projected grid that places no samples.
-    pub(super) fn new(warp: &Warp, resampled: &Placement) -> Result<Self, GridError> {
+    pub(super) fn new(warp: &Warp, resampled: &SampleLattice) -> Result<Self, GridError> {
         let grid = warp.grid();
         let mut plane = Self {
             projection: grid.projection,
-            place: Placement::new(&georeference(grid))?,
+            feather: Feather::of(georeference(grid).lattice()?),
             is_deep: Vec::new(),
         };
         plane.is_deep = plane.deep_parts(resampled);
@@ -46,13 +47,13 @@ impl Plane {
     /// Row and column of a place.
     pub(super) fn locate(&self, lat_rad: f64, lon_rad: f64) -> (f64, f64) {
         let (east_m, north_m) = self.projection.forward_m(lat_rad, lon_rad);
-        let lattice = &self.place.lattice;
+        let lattice = &self.feather.lattice;
         lattice.locate(north_m * RAD_PER_M, east_m * RAD_PER_M)
     }
 
     /// The place of a row and column, latitude and longitude, radians.
     pub(super) fn place_at(&self, row: f64, column: f64) -> (f64, f64) {
-        let lattice = &self.place.lattice;
+        let lattice = &self.feather.lattice;
         let north_m = (lattice.north_rad - row * lattice.lat_step_rad) / RAD_PER_M;
         let east_m = (lattice.west_rad + column * lattice.lon_step_rad) / RAD_PER_M;
         self.projection.inverse_rad(east_m, north_m)
@@ -60,12 +61,12 @@ impl Plane {
 
     /// Whether a row and column of the resampled grid are far inside.
     #[inline]
-    pub(super) fn is_deep(&self, resampled: &Placement, row: f64, column: f64) -> bool {
+    pub(super) fn is_deep(&self, resampled: &SampleLattice, row: f64, column: f64) -> bool {
         let part = |at: f64, count: usize| {
             let part = at / (count - 1).max(1) as f64 * PARTS as f64;
             (part >= 0.0 && part < PARTS as f64).then_some(part as usize)
         };
-        let lattice = &resampled.lattice;
+        let lattice = resampled;
         match (part(row, lattice.rows), part(column, lattice.columns)) {
             (Some(row), Some(column)) => self.is_deep[row * PARTS + column],
             _ => false,
@@ -75,11 +76,11 @@ impl Plane {
     /// Whether all places between two rows and two columns of the resampled grid are far inside.
     pub(super) fn are_deep(
         &self,
-        resampled: &Placement,
+        resampled: &SampleLattice,
         rows: (f64, f64),
         columns: (f64, f64),
     ) -> bool {
-        let lattice = &resampled.lattice;
+        let lattice = resampled;
         let parts = |(from, to): (f64, f64), count: usize| {
             let part = |at: f64| (at / (count - 1).max(1) as f64 * PARTS as f64).floor();
             (part(from) >= 0.0 && part(to) < PARTS as f64)
@@ -93,10 +94,10 @@ impl Plane {
         }
     }
 
-    fn deep_parts(&self, resampled: &Placement) -> Vec<bool> {
+    fn deep_parts(&self, resampled: &SampleLattice) -> Vec<bool> {
         let node = |row: usize, column: usize| {
             let at = |part: usize, count: usize| part as f64 / PARTS as f64 * (count - 1) as f64;
-            let lattice = &resampled.lattice;
+            let lattice = resampled;
             let (lat_rad, lon_rad) =
                 lattice.place_at(at(row, lattice.rows), at(column, lattice.columns));
             self.locate(lat_rad, lon_rad)
@@ -122,7 +123,7 @@ impl Plane {
             let ends = [(rows.0, columns.0), (rows.1, columns.1)];
             // NaN is not deep.
             ends.into_iter()
-                .all(|(row, column)| self.place.inside(row, column) >= 1.0)
+                .all(|(row, column)| self.feather.inside(row, column) >= 1.0)
         };
         (0..PARTS * PARTS)
             .map(|part| is_deep(part / PARTS, part % PARTS))

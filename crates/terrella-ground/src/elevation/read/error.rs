@@ -67,7 +67,7 @@ pub enum HeightFileError {
         of_file: &'static str,
         of_sidecar: &'static str,
     },
-    #[error("{}:{line}: {cause}", path.display())]
+    #[error("{}:{line}: {cause}{}", path.display(), described_by(path))]
     Sidecar {
         path: PathBuf,
         /// Line, from 1.
@@ -82,6 +82,17 @@ pub enum HeightFileError {
         /// Why its grid is rejected.
         source: GridError,
     },
+}
+
+/// Why a file is read as a sidecar, which its name alone decides.
+fn described_by(sidecar: &Path) -> &'static str {
+    match sidecar
+        .file_name()
+        .is_some_and(|name| name == "folder.toml")
+    {
+        true => "",
+        false => "; by its name it describes the elevation file beside it",
+    }
 }
 
 /// Errors about one file.
