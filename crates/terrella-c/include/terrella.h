@@ -146,6 +146,11 @@ typedef struct {
   TerrellaTime from;
   // And that begin before this one. It is not before `from`.
   TerrellaTime until;
+  // The satellite can be seen while it is outside the Earth's umbra and the Sun is lower than this, degrees, −90 to 90. Civil twilight
+  // ends at −6.
+  double sun_below_deg;
+  // Its magnitude at a distance of 1000 km with half of its disc lit, −30 to 30. If this is null, no magnitudes are estimated.
+  const double *standard_magnitude;
 } TerrellaPassSearch;
 
 // A pass of a satellite. Azimuths count from north to east, degrees.
@@ -170,6 +175,18 @@ typedef struct {
   bool rises;
   // Whether it sets at `end`.
   bool sets;
+  // Its length, seconds.
+  double duration_s;
+  // How often the satellite becomes visible in it; 0 if never. The rest applies only if this is not 0.
+  uint32_t visible_count;
+  // When it is first visible.
+  TerrellaTime visible_begin;
+  // When it is last visible.
+  TerrellaTime visible_end;
+  // When it is brightest; `visible_begin` without a standard magnitude.
+  TerrellaTime brightest;
+  // Its magnitude then; NaN without a standard magnitude.
+  double magnitude;
 } TerrellaPass;
 
 // Image size, playback time and satellites of a scene.

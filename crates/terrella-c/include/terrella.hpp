@@ -15,6 +15,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -271,12 +272,15 @@ struct State {
     return itrf;
 }
 
-// Where passes are looked for: a place (degrees, metres) and an elevation mask (degrees).
+// Where passes are looked for: a place (degrees, metres) and an elevation mask (degrees). And when a satellite can be seen from there: the Sun
+// is lower than `sun_below_deg`; with a standard magnitude its brightness is estimated.
 struct Place {
     double lat_deg;
     double lon_deg;
     double height_m = 0;
     double min_elevation_deg = 0;
+    double sun_below_deg = -6;
+    std::optional<double> standard_magnitude = std::nullopt;
 };
 
 // A pass of a satellite over a place; see TerrellaPass.
@@ -287,6 +291,11 @@ struct Pass {
     double distance_m;
     // Whether it rises at `begin`, and sets at `end`; else it is in progress there.
     bool rises, sets;
+    double duration_s;
+    // How often it becomes visible; if ever, when first and last, when it is brightest, and its magnitude then (NaN without a standard magnitude).
+    std::uint32_t visible_count;
+    Time visible_begin, visible_end, brightest;
+    double magnitude;
 };
 
 // A scene file with a device of its own.
@@ -369,14 +378,16 @@ public:
                                            std::size_t most = 1000) const {
         std::vector<Pass> passes;
         std::array<TerrellaPass, 64> page;
-        TerrellaPassSearch search{place.lat_deg, place.lon_deg, place.height_m, place.min_elevation_deg, from, until};
+        TerrellaPassSearch search{place.lat_deg, place.lon_deg, place.height_m, place.min_elevation_deg, from, until, place.sun_below_deg,
+                                  place.standard_magnitude ? &*place.standard_magnitude : nullptr};
         while (passes.size() < most) {
             std::size_t left = most - passes.size(), capacity = left < page.size() ? left : page.size(), count = 0;
             check(terrella_scene_passes(get(), index, &search, page.data(), capacity, &count));
             for (std::size_t n = 0; n < count; ++n) {
                 const TerrellaPass &one = page[n];
                 passes.push_back(Pass{one.begin, one.highest, one.end, one.begin_azimuth_deg, one.highest_azimuth_deg, one.end_azimuth_deg,
-                                      one.elevation_deg, one.distance_m, one.rises, one.sets});
+                                      one.elevation_deg, one.distance_m, one.rises, one.sets, one.duration_s, one.visible_count,
+                                      one.visible_begin, one.visible_end, one.brightest, one.magnitude});
             }
             if (count < capacity) break;
             search.from = page[count - 1].end;

@@ -5,7 +5,7 @@ use crate::pointers::{check_out, read, write};
 use crate::scene::{TerrellaScene, with_satellite};
 use crate::time::TerrellaTime;
 use terrella::frames::{Ellipsoid, Epoch, Geodetic, Orientation, rfc3339};
-use terrella_orbit::{Feed, Observer, OrbitError, Pass, passes};
+use terrella_orbit::{Feed, Observer, OrbitError, Pass, VisibilityRule, passes, visible_intervals};
 
 /// Place and time interval of a search for passes.
 #[repr(C)]
@@ -23,6 +23,11 @@ pub struct TerrellaPassSearch {
     pub from: TerrellaTime,
     /// And that begin before this one. It is not before `from`.
     pub until: TerrellaTime,
+    /// The satellite can be seen while it is outside the Earth's umbra and the Sun is lower than this, degrees, −90 to 90. Civil twilight
+    /// ends at −6.
+    pub sun_below_deg: f64,
+    /// Its magnitude at a distance of 1000 km with half of its disc lit, −30 to 30. If this is null, no magnitudes are estimated.
+    pub standard_magnitude: *const f64,
 }
 
 /// A pass of a satellite. Azimuths count from north to east, degrees.
@@ -49,6 +54,18 @@ pub struct TerrellaPass {
     pub rises: bool,
     /// Whether it sets at `end`.
     pub sets: bool,
+    /// Its length, seconds.
+    pub duration_s: f64,
+    /// How often the satellite becomes visible in it; 0 if never. The rest applies only if this is not 0.
+    pub visible_count: u32,
+    /// When it is first visible.
+    pub visible_begin: TerrellaTime,
+    /// When it is last visible.
+    pub visible_end: TerrellaTime,
+    /// When it is brightest; `visible_begin` without a standard magnitude.
+    pub brightest: TerrellaTime,
+    /// Its magnitude then; NaN without a standard magnitude.
+    pub magnitude: f64,
 }
 
 /// The passes of a satellite of a scene over a place, in their order, at most `capacity` of them. `count` receives the number written. If
@@ -77,6 +94,7 @@ pub unsafe extern "C" fn terrella_scene_passes(
             check_out(passes, "passes")?;
         }
         let (observer_place, mask_rad) = place(search)?;
+        let rule = rule(search)?;
         let span = (
             search.from.epoch("search.from")?,
             search.until.epoch("search.until")?,
@@ -88,7 +106,7 @@ pub unsafe extern "C" fn terrella_scene_passes(
             let found = self::passes(feed, &observer, span.0, span.1);
             let mut written = 0;
             for pass in found.take(capacity) {
-                let pass = told(feed, &observer, &pass?)?;
+                let pass = told(feed, &observer, &pass?, &rule)?;
                 // SAFETY: not null and aligned; there is room for `capacity` passes, of which this is none beyond the last.
                 unsafe { passes.add(written).write(pass) };
                 written += 1;
@@ -144,9 +162,42 @@ fn place(search: &TerrellaPassSearch) -> Result<(Geodetic, f64), Failure> {
     Ok((place, search.min_elevation_deg.to_radians()))
 }
 
-fn told(feed: &dyn Feed, observer: &Observer<'_>, pass: &Pass) -> Result<TerrellaPass, OrbitError> {
+/// When a satellite can be seen.
+fn rule(search: &TerrellaPassSearch) -> Result<VisibilityRule, Failure> {
+    let standard_magnitude = match search.standard_magnitude.is_null() {
+        true => None,
+        // SAFETY: not null; the caller's promise about its pointers.
+        false => Some(*unsafe { read(search.standard_magnitude, "search.standard_magnitude") }?),
+    };
+    for (name, value, most) in [
+        ("sun_below_deg", Some(search.sun_below_deg), 90.0),
+        ("standard_magnitude", standard_magnitude, 30.0),
+    ] {
+        if let Some(value) = value.filter(|value| !(-most..=most).contains(value)) {
+            return Err(Failure::argument(format!(
+                "search.{name}: {value} is not from -{most} to {most}"
+            )));
+        }
+    }
+    Ok(VisibilityRule {
+        sun_below_rad: search.sun_below_deg.to_radians(),
+        standard_magnitude,
+    })
+}
+
+fn told(
+    feed: &dyn Feed,
+    observer: &Observer<'_>,
+    pass: &Pass,
+    rule: &VisibilityRule,
+) -> Result<TerrellaPass, OrbitError> {
     let angles = |epoch| Ok::<_, OrbitError>(observer.look_angles(&feed.state_at(epoch)?));
     let highest = angles(pass.highest)?;
+    let visible = visible_intervals(feed, observer, pass, rule)?;
+    let visible_begin = visible.first().map_or(pass.begin, |one| one.begin);
+    let brightest = visible.iter().filter_map(|one| one.brightest);
+    let brightest = brightest.min_by(|one, other| one.1.total_cmp(&other.1));
+    let (brightest, magnitude) = brightest.unwrap_or((visible_begin, f64::NAN));
     Ok(TerrellaPass {
         begin: TerrellaTime::of(pass.begin),
         begin_azimuth_deg: angles(pass.begin)?.azimuth_rad.to_degrees(),
@@ -158,6 +209,12 @@ fn told(feed: &dyn Feed, observer: &Observer<'_>, pass: &Pass) -> Result<Terrell
         end_azimuth_deg: angles(pass.end)?.azimuth_rad.to_degrees(),
         rises: pass.rises,
         sets: pass.sets,
+        duration_s: (pass.end - pass.begin).to_seconds(),
+        visible_count: visible.len() as u32,
+        visible_begin: TerrellaTime::of(visible_begin),
+        visible_end: TerrellaTime::of(visible.last().map_or(pass.begin, |one| one.end)),
+        brightest: TerrellaTime::of(brightest),
+        magnitude,
     })
 }
 

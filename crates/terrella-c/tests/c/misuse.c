@@ -277,6 +277,13 @@ int main(int argc, char **argv) {
     EXPECT(terrella_scene_passes(scene, 9, &search, passes, 8, &found), TERRELLA_ARGUMENT, "index");
     EXPECT(terrella_scene_passes(scene, 0, &search, NULL, 8, &found), TERRELLA_NULL, "passes");
     EXPECT(terrella_scene_passes(scene, 0, &search, passes, 8, NULL), TERRELLA_NULL, "count");
+    double bright = -31;
+    search.standard_magnitude = &bright;
+    EXPECT(terrella_scene_passes(scene, 0, &search, passes, 8, &found), TERRELLA_ARGUMENT, "search.standard_magnitude");
+    search.standard_magnitude = NULL;
+    search.sun_below_deg = 91;
+    EXPECT(terrella_scene_passes(scene, 0, &search, passes, 8, &found), TERRELLA_ARGUMENT, "search.sun_below_deg");
+    search.sun_below_deg = -6;
     search.lat_deg = 91;
     EXPECT(terrella_scene_passes(scene, 0, &search, passes, 8, &found), TERRELLA_ARGUMENT, "search.lat_deg");
     EXPECT(terrella_scene_free(scene), TERRELLA_OK, "");

@@ -144,12 +144,28 @@ int main(int argc, char **argv) {
     assert(thrown([&] { return plain.passes(9, {47, 15, 0, 0}, from, until); }) != TERRELLA_OK);
     // More passes than the class reads in one call: those of a single call.
     auto many = plain.passes(0, {47.07, 15.44, 350, 0}, from, until + 13 * 86400.0);
-    TerrellaPassSearch search{47.07, 15.44, 350, 0, from, until + 13 * 86400.0};
+    TerrellaPassSearch search{47.07, 15.44, 350, 0, from, until + 13 * 86400.0, -6, nullptr};
     std::vector<TerrellaPass> at_once(many.size() + 10);
     std::size_t count = 0;
     terrella::check(terrella_scene_passes(plain.get(), 0, &search, at_once.data(), at_once.size(), &count));
     assert(many.size() > 64 && count == many.size());
     for (std::size_t n = 0; n < count; ++n) assert(many[n].begin == at_once[n].begin && many[n].end == at_once[n].end);
+    // When the station can be seen, and how bright: never under a Sun that is never low enough.
+    std::size_t visible = 0;
+    auto fortnight = until + 13 * 86400.0;
+    for (const auto &pass : plain.passes(0, {47.07, 15.44, 350, 10, -6, -1.8}, from, fortnight)) {
+        assert(std::fabs(pass.duration_s - (pass.end - pass.begin)) < 1e-6);
+        if (pass.visible_count == 0) continue;
+        visible += 1;
+        assert(pass.begin <= pass.visible_begin && pass.visible_begin <= pass.brightest && pass.brightest <= pass.visible_end &&
+               pass.visible_end <= pass.end);
+        assert(pass.magnitude > -5 && pass.magnitude < 6);
+    }
+    assert(visible > 0 && visible < many.size());
+    for (const auto &pass : plain.passes(0, {47.07, 15.44, 350, 10, -90}, from, fortnight)) {
+        assert(pass.visible_count == 0 && std::isnan(pass.magnitude));
+    }
+    assert(thrown([&] { return plain.passes(0, {47, 15, 0, 0, -6, 99}, from, until); }) == TERRELLA_ARGUMENT);
     auto track = plain.track(0, from, from + 5400, 91);
     assert(track.size() == 91);
     for (std::size_t n = 0; n < track.size(); ++n) assert(track[n].position_m == plain.satellite(0, from + 60.0 * n).position_m);
