@@ -33,10 +33,11 @@ pub struct Catalogue {
 /// Most records that cannot be flown whose names are kept.
 const MAX_REJECTED: usize = 100_000;
 
-/// The sets of a file by satellite, in the order of the satellites' first sets.
+/// The satellites of a file, in the order of their first sets.
 #[derive(Default)]
 struct Groups {
-    sets: Vec<Vec<Sgp4Set>>,
+    /// Of most there is one set: no list of it is made.
+    feeds: Vec<Sgp4Feed>,
     by_number: HashMap<u64, Vec<usize>>,
 }
 
@@ -47,21 +48,21 @@ impl Groups {
             .entry(set.elements.catalogue_number)
             .or_default();
         let same = known.iter().find(|&&at| {
-            let first = self.sets.get(at).and_then(|sets| sets.first());
-            first.is_some_and(|first| is_same_satellite(&first.elements, &set.elements))
+            let first = self.feeds.get(at).map(Sgp4Feed::elements);
+            first.is_some_and(|first| is_same_satellite(first, &set.elements))
         });
-        match same.and_then(|&at| self.sets.get_mut(at)) {
-            Some(sets) => sets.push(set),
+        match same.and_then(|&at| self.feeds.get_mut(at)) {
+            Some(feed) => feed.add(set),
             None => {
-                known.push(self.sets.len());
-                self.sets.push(vec![set]);
+                known.push(self.feeds.len());
+                self.feeds.push(Sgp4Feed::of_set(set));
             }
         }
     }
 
-    fn feeds(self) -> Vec<Sgp4Feed> {
-        let feeds = self.sets.into_iter().filter_map(Sgp4Feed::of_sets);
-        feeds.collect()
+    fn feeds(mut self) -> Vec<Sgp4Feed> {
+        self.feeds.iter_mut().for_each(Sgp4Feed::put_in_order);
+        self.feeds
     }
 }
 

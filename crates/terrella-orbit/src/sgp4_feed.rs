@@ -50,9 +50,29 @@ impl Sgp4Feed {
         origin: Arc<Path>,
         line: usize,
     ) -> Result<Self, OrbitError> {
-        let newest = Sgp4Set::new(elements, origin, line)?;
+        Ok(Self::of_set(Sgp4Set::new(elements, origin, line)?))
+    }
+
+    /// A feed of one set.
+    pub(super) fn of_set(newest: Sgp4Set) -> Self {
         let earlier = Vec::new();
-        Ok(Self { earlier, newest })
+        Self { earlier, newest }
+    }
+
+    /// Adds a set of the same satellite; [`Self::put_in_order`] follows the last one. Until then [`Self::elements`] are those of the first.
+    pub(super) fn add(&mut self, set: Sgp4Set) {
+        self.earlier.push(set);
+    }
+
+    /// Puts sets that were added in the order of their epochs.
+    pub(super) fn put_in_order(&mut self) {
+        if self.earlier.is_empty() {
+            return;
+        }
+        let sets = std::iter::once(self.newest.clone()).chain(self.earlier.drain(..));
+        if let Some(feed) = Self::of_sets(sets.collect()) {
+            *self = feed;
+        }
     }
 
     /// A feed of sets of one satellite in the order of their file; `None` if there is none. Of two sets of one epoch, the later one is used.
