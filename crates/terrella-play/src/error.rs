@@ -2,7 +2,7 @@
 
 use super::film::FilmError;
 use super::output::OutputError;
-use crate::scene::{KernelError, SceneError, ToneError};
+use crate::scene::{KernelError, MAX_ELEVATION_FILES, SceneError, ToneError};
 use std::path::PathBuf;
 use terrella::EarthError;
 use terrella::OffscreenError;
@@ -59,6 +59,11 @@ pub enum PlayError {
     /// An elevation file.
     #[error(transparent)]
     Heights(#[from] HeightFileError),
+    /// Folders and patterns of elevation files stand for too many.
+    #[error(
+        "[earth] elevation stands for {count} files; a scene reads at most {MAX_ELEVATION_FILES}: build a pack of them with terrella pack build --heights, and set pack_heights = true"
+    )]
+    ManyHeights { count: usize },
     /// The elevation data of the scene's pack cannot be used as terrain.
     #[error("elevation data of the pack: {0}")]
     PackHeights(#[from] StreamedGroundError),
@@ -326,6 +331,7 @@ impl PlayError {
                 | Self::NoSensor { .. }
                 | Self::SensorTooWide { .. }
                 | Self::NoLayer { .. }
+                | Self::ManyHeights { .. }
                 | Self::NoPackHeights { .. }
                 | Self::MissingLayer { .. }
                 | Self::CaptionImage { .. }

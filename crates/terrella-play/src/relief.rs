@@ -1,7 +1,7 @@
 //! A scene's elevation data.
 
 use super::error::PlayError;
-use crate::scene::{PackTable, ReliefTable};
+use crate::scene::{MAX_ELEVATION_FILES, PackTable, ReliefTable};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use terrella::GroundOptions;
@@ -85,7 +85,11 @@ fn named_heights(table: &ReliefTable) -> Result<Vec<PathBuf>, PlayError> {
         None => or_the_starter_packs(&table.elevation)?,
     };
     let sets = named.iter().map(|path| height_set(path));
-    Ok(sets.collect::<Result<Vec<_>, _>>()?.concat())
+    let files = sets.collect::<Result<Vec<_>, _>>()?.concat();
+    match files.len() > MAX_ELEVATION_FILES {
+        true => Err(PlayError::ManyHeights { count: files.len() }),
+        false => Ok(files),
+    }
 }
 
 fn or_the_starter_packs(files: &[PathBuf]) -> Result<Vec<PathBuf>, PlayError> {

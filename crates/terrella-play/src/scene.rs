@@ -111,9 +111,9 @@ pub use earth::{EarthTable, PackTable};
 pub use error::{KeyLocation, SceneError};
 pub use footprint::Footprint;
 pub use geojson::GeojsonTable;
-pub(crate) use keys::YEARS;
 #[cfg(feature = "window")]
 pub use keys::{DEFAULT_TOLERANCE_PX, EDGE_SAMPLES};
+pub(crate) use keys::{MAX_ELEVATION_FILES, YEARS};
 pub use layers::{LayersTable, LineLook};
 pub use look_at::LookAt;
 pub use many::Many;

@@ -224,6 +224,10 @@ impl SceneText<'_> {
         let (what, other) = match kind {
             PathKind::File => ("a file", "a folder"),
             PathKind::Folder => ("a folder", "a file"),
+            PathKind::Set => (
+                "a file, a folder, or a pattern such as dem/*.tif",
+                "nothing of these",
+            ),
         };
         if given.is_empty() {
             let advice = format!(
@@ -235,7 +239,9 @@ impl SceneText<'_> {
         let path = folder.join(given);
         let shown = printable(&path.display().to_string());
         match std::fs::metadata(&path) {
+            Ok(_) if kind == PathKind::Set => Ok(path),
             Ok(found) if found.is_dir() == (kind == PathKind::Folder) => Ok(path),
+            Err(_) if kind == PathKind::Set && is_pattern(&path) => Ok(path),
             Ok(_) => {
                 let advice = format!("{shown} is {other}; give the path of {what}");
                 Err(self.reject(field, advice))
@@ -374,6 +380,14 @@ pub(super) type RawCameraKey = BTreeMap<String, Spanned<toml::Value>>;
 pub(super) enum PathKind {
     File,
     Folder,
+    /// A file, a folder of files, or a pattern of their names.
+    Set,
+}
+
+/// Whether the last part of a path is a pattern, in a folder that exists.
+fn is_pattern(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    name.contains(['*', '?']) && path.parent().is_some_and(Path::is_dir)
 }
 
 /// serde's error for an unknown enum name; it lists the known names.

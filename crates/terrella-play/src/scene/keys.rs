@@ -50,7 +50,7 @@ pub(super) const MAX_DATED_MAPS: usize = 1000;
 /// Maximum keyframes of a camera.
 pub(super) const MAX_CAMERA_KEYS: usize = 10_000;
 /// Maximum number of elevation files.
-pub(super) const MAX_ELEVATION_FILES: usize = 1000;
+pub const MAX_ELEVATION_FILES: usize = 1000;
 
 /// Default of `[time] start` if no satellite has its own time.
 pub(super) const DEFAULT_START: &str = "2018-01-15T12:00:00Z";
@@ -278,8 +278,8 @@ table!(RawEarth = "earth" {
     upload_mb: f64, of "megabytes", in 0.01..=1e4, default 4.0, for PACK;
     /// What draws the ground. By default "quadtree" where heights are given, else "blocks".
     surface: Choice<SurfaceKind>;
-    /// Files of heights, of which the finest lies on top; an empty list takes the starter pack's heights, or none with pack_heights. By default the smooth ellipsoid is drawn.
-    elevation: Vec<Spanned<RawPath>>, of "a list of strings, the paths of files of heights";
+    /// Files of heights, folders of them, and patterns such as dem/*.tif. The finest lies on top. An empty list takes the starter pack's heights, or none with pack_heights. By default the smooth ellipsoid is drawn.
+    elevation: Vec<Spanned<RawPath>>, of "a list of strings, the paths of files or folders of heights";
     /// Whether the pack's heights are the ground, beneath the files of elevation.
     pack_heights: bool, default false, for PACK;
     /// Memory for the pack's heights (10⁶ bytes), with pack_heights.

@@ -16,7 +16,7 @@ pub struct ReliefTable {
     pub surface: SurfaceKind,
     /// And how, as `[earth.clipmap]` and the like set it.
     pub settings: SurfaceSettings,
-    /// Files of heights; none takes the starter pack's, of the whole Earth, unless the scene's pack has them.
+    /// Files of heights, folders of them, and patterns of their names; none takes the starter pack's, of the whole Earth, unless the scene's pack has them.
     pub elevation: Vec<PathBuf>,
     /// Memory for the heights of the scene's pack, megabytes, where they lie beneath those of the files.
     pub pack_heights_mb: Option<f64>,
@@ -145,7 +145,7 @@ impl SceneText<'_> {
                 rule: (),
                 notes: field.notes,
             };
-            paths.push(self.existing(&one, given.get_ref(), PathKind::File)?);
+            paths.push(self.existing(&one, given.get_ref(), PathKind::Set)?);
         }
         Ok(paths)
     }
