@@ -31,8 +31,8 @@ pub struct PackOptions {
     /// Discard an unfinished build or a finished pack in the folder
     #[arg(long)]
     restart: bool,
-    /// Exit with an error if there is any note: for example of missing or damaged files, or of colour profiles. The pack is
-    /// still written; it lacks only what the notes name
+    /// Exit with an error if there is any note: for example of missing or damaged files, or of colour profiles. A pack that is
+    /// built is still written, and lacks only what the notes name; of fetched files with notes none is built
     #[arg(long)]
     strict: bool,
 }
