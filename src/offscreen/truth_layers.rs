@@ -96,7 +96,7 @@ pub const TRUTH_LAYERS: &[TruthLayer] = &[
     layer(
         "height_m",
         "metre",
-        "height of the drawn ground above the ellipsoid",
+        "height of the drawn ground above mean sea level, which is drawn on the ellipsoid",
         Value::Ground(|point| point.place.height_m),
     ),
     layer(
