@@ -135,12 +135,14 @@ fn read_grids(files: &[PathBuf], denoise: bool) -> Result<Vec<Arc<HeightGrid>>, 
             stats.range.high_m,
             stats.bytes as f64 / 1e6
         );
-        if stats.holes > 0 {
-            let (holes, left) = (stats.holes, stats.left_holes);
-            tracing::warn!(
-                "{}: {holes} samples have no data; {left} of them are filled from the data beneath",
-                file.display()
-            );
+        let holes = stats.holes - heights.around.min(stats.holes);
+        if holes > 0 {
+            let beneath = match (heights.around, stats.left_holes) {
+                (0, left) => format!("{left} of them are filled from the data beneath"),
+                _ => "large holes are filled from the data beneath".to_owned(),
+            };
+            let file = file.display();
+            tracing::warn!("{file}: {holes} samples have no data; {beneath}");
         }
         match heights.denoised {
             Some(found) if found.replaced > 0 => tracing::warn!(

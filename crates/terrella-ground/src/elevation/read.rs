@@ -63,6 +63,8 @@ pub struct HeightFile {
     pub attribution: Option<String>,
     /// Vertical datum of the file's heights, if it or its sidecar states one. The grid's heights are above mean sea level.
     pub above: Option<VerticalDatum>,
+    /// Samples of the grid around projected ones, which have no data.
+    pub around: u64,
     /// Samples treated as no data without a declaration, because their value usually means that.
     pub undeclared: u64,
     /// Single wrong heights found, if the search was requested.
@@ -551,9 +553,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
         let georeference = self.georeference()?;
         let conversion = self.conversion()?;
         let (attribution, above) = (self.attribution(), self.above()?);
-        // Checked above.
-        let columns = columns as usize;
-        let warp = self.header.warp;
+        let (columns, warp) = (columns as usize, self.header.warp);
         let mut heights_m = vec![0.0f32; columns * rows as usize];
         self.read(&conversion, |row, column, of_row: &mut [f32]| {
             let start = row * columns + column;
@@ -567,6 +567,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
         Ok(HeightFile {
             grid,
             above,
+            around: warp.map_or(0, |warp| warp.places_around()),
             undeclared: conversion.undeclared(),
             attribution,
             denoised,
