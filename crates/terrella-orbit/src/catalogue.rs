@@ -38,23 +38,30 @@ const MAX_REJECTED: usize = 100_000;
 struct Groups {
     /// Of most there is one set: no list of it is made.
     feeds: Vec<Sgp4Feed>,
-    by_number: HashMap<u64, Vec<usize>>,
+    /// The first of each catalogue number, and the others that share one.
+    by_number: HashMap<u64, usize>,
+    others: HashMap<u64, Vec<usize>>,
 }
 
 impl Groups {
     fn add(&mut self, set: Sgp4Set) {
-        let known = self
-            .by_number
-            .entry(set.elements.catalogue_number)
-            .or_default();
-        let same = known.iter().find(|&&at| {
-            let first = self.feeds.get(at).map(Sgp4Feed::elements);
-            first.is_some_and(|first| is_same_satellite(first, &set.elements))
-        });
-        match same.and_then(|&at| self.feeds.get_mut(at)) {
+        let number = set.elements.catalogue_number;
+        let next = self.feeds.len();
+        let first = *self.by_number.entry(number).or_insert(next);
+        if first == next {
+            return self.feeds.push(Sgp4Feed::of_set(set));
+        }
+        let others = self.others.entry(number).or_default();
+        let same = std::iter::once(first)
+            .chain(others.iter().copied())
+            .find(|&at| {
+                let known = self.feeds.get(at).map(Sgp4Feed::elements);
+                known.is_some_and(|known| is_same_satellite(known, &set.elements))
+            });
+        match same.and_then(|at| self.feeds.get_mut(at)) {
             Some(feed) => feed.add(set),
             None => {
-                known.push(self.feeds.len());
+                others.push(next);
                 self.feeds.push(Sgp4Feed::of_set(set));
             }
         }

@@ -9,12 +9,12 @@ use std::path::Path;
 ///
 /// # Errors
 /// A quotation mark that is unpaired or inside a field.
-pub fn fields(
-    text: &str,
+pub fn fields<'t>(
+    text: &'t str,
     separator: char,
     place: TextPosition,
     origin: &Path,
-) -> Result<Vec<CsvField>, RecordError> {
+) -> Result<Vec<CsvField<'t>>, RecordError> {
     csv::fields(text, separator).ok_or_else(|| {
         let fault = RecordFault::Syntax {
             format: "CSV",
@@ -26,7 +26,7 @@ pub fn fields(
 
 /// A row that is as long as its header.
 pub struct CsvRow<'a> {
-    fields: &'a [CsvField],
+    fields: &'a [CsvField<'a>],
     line: usize,
     origin: &'a Path,
 }
@@ -35,7 +35,7 @@ impl<'a> CsvRow<'a> {
     /// # Errors
     /// A row that has not `count` fields.
     pub fn new(
-        fields: &'a [CsvField],
+        fields: &'a [CsvField<'a>],
         count: usize,
         line: usize,
         origin: &'a Path,

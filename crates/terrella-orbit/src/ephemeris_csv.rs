@@ -261,7 +261,7 @@ fn whole_table(said: &Fields, columns: Columns, origin: &Path) -> Result<Table, 
 }
 
 /// The name of a row's satellite.
-fn name_of(table: &Table, row: &[csv::CsvField]) -> String {
+fn name_of(table: &Table, row: &[csv::CsvField<'_>]) -> String {
     let field = table.columns.name.and_then(|column| row.get(column));
     let named = field.map(|field| printable(field.text.trim()));
     let name = named.filter(|name| !name.is_empty());
@@ -271,7 +271,7 @@ fn name_of(table: &Table, row: &[csv::CsvField]) -> String {
 /// The name of a row's satellite, and the frame of its state.
 fn whose(
     table: &Table,
-    row: &[csv::CsvField],
+    row: &[csv::CsvField<'_>],
     line: usize,
     origin: &Path,
 ) -> Result<(String, Frame), RecordError> {
@@ -320,7 +320,7 @@ fn declare(
     Ok(())
 }
 
-fn header(row: &[csv::CsvField], line: usize, origin: &Path) -> Result<Columns, RecordError> {
+fn header(row: &[csv::CsvField<'_>], line: usize, origin: &Path) -> Result<Columns, RecordError> {
     let place = TextPosition { line, column: 1 };
     let named = |name: &str| row.iter().position(|field| field.text == name);
     for (index, field) in row.iter().enumerate() {
@@ -377,7 +377,7 @@ fn header(row: &[csv::CsvField], line: usize, origin: &Path) -> Result<Columns, 
 
 fn sample(
     columns: &Columns,
-    row: &[csv::CsvField],
+    row: &[csv::CsvField<'_>],
     line: usize,
     origin: &Path,
 ) -> Result<StateSample, RecordError> {
@@ -400,7 +400,7 @@ fn sample(
 /// Uncertainty of a row's state, metres; `None` if the row has none.
 fn error_m(
     columns: &Columns,
-    row: &[csv::CsvField],
+    row: &[csv::CsvField<'_>],
     line: usize,
     origin: &Path,
 ) -> Result<Option<f64>, RecordError> {

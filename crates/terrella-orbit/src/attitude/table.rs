@@ -81,7 +81,7 @@ pub fn segments(text: &str, origin: &Path) -> Result<Vec<Segment>, RecordError> 
 }
 
 fn header(
-    row: &[csv::CsvField],
+    row: &[csv::CsvField<'_>],
     place: TextPosition,
     origin: &Path,
 ) -> Result<Columns, RecordError> {
@@ -110,7 +110,7 @@ fn header(
 
 fn sample(
     columns: &Columns,
-    row: &[csv::CsvField],
+    row: &[csv::CsvField<'_>],
     line: usize,
     samples: &mut Vec<(terrella_frames::Epoch, glam::DQuat)>,
     origin: &Path,

@@ -72,7 +72,7 @@ pub(super) fn each_elements(
 }
 
 /// Rejects a header that lacks a column that every row needs.
-fn check_columns(header: &[CsvField], line: usize, origin: &Path) -> Result<(), RecordError> {
+fn check_columns(header: &[CsvField<'_>], line: usize, origin: &Path) -> Result<(), RecordError> {
     let has = |name: &str| header.iter().any(|field| field.text == name);
     let mut columns: Vec<_> = NEEDED.into_iter().filter(|name| !has(name)).collect();
     if !has("OBJECT_NAME") && !has("NORAD_CAT_ID") {
@@ -86,7 +86,7 @@ fn check_columns(header: &[CsvField], line: usize, origin: &Path) -> Result<(), 
     Err(TextPosition { line, column: 1 }.error(origin, fault))
 }
 
-fn read(header: &[CsvField], row: Vec<CsvField>, line: usize, origin: &Path) -> Read {
+fn read(header: &[CsvField<'_>], row: Vec<CsvField<'_>>, line: usize, origin: &Path) -> Read {
     let place = TextPosition { line, column: 1 };
     if row.len() != header.len() {
         let fault = RecordFault::Unexpected {
@@ -95,8 +95,8 @@ fn read(header: &[CsvField], row: Vec<CsvField>, line: usize, origin: &Path) -> 
         };
         let named = header.iter().zip(&row);
         let names = named
-            .filter(|(key, _)| ElementEntries::NAMES.contains(&key.text.as_str()))
-            .map(|(_, field)| field.text.clone());
+            .filter(|(key, _)| ElementEntries::NAMES.contains(&key.text.as_ref()))
+            .map(|(_, field)| field.text.clone().into_owned());
         return Err(BadRecord::new(names.collect(), place.error(origin, fault)));
     }
     let mut record = ElementEntries::new("the row", place);
@@ -106,7 +106,7 @@ fn read(header: &[CsvField], row: Vec<CsvField>, line: usize, origin: &Path) -> 
         }
         let entry = Entry {
             key: Cow::Borrowed(&name.text),
-            value: Cow::Owned(field.text),
+            value: field.text,
             unit: None,
             place: TextPosition {
                 line,

@@ -1,9 +1,11 @@
 //! Separated values, a record a line: by commas (RFC 4180), or by the semicolons and tabs that spreadsheets write.
 
+use std::borrow::Cow;
+
 /// A field and the column of its first byte, from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct CsvField {
-    pub text: String,
+pub struct CsvField<'t> {
+    pub text: Cow<'t, str>,
     pub column: usize,
 }
 
@@ -37,7 +39,7 @@ pub fn header(text: &str) -> Option<(usize, &str, char)> {
 }
 
 /// The fields of a line, with blanks around them removed; `None` if a quotation mark is unpaired or inside a field.
-pub fn fields(line: &str, separator: char) -> Option<Vec<CsvField>> {
+pub fn fields(line: &str, separator: char) -> Option<Vec<CsvField<'_>>> {
     let is_blank = |c: char| c.is_whitespace() && c != separator;
     let mut fields = Vec::new();
     let mut rest = line;
@@ -47,12 +49,12 @@ pub fn fields(line: &str, separator: char) -> Option<Vec<CsvField>> {
         let (text, behind) = match quoted {
             Some(quoted) => {
                 let (text, behind) = unquoted(quoted)?;
-                (text, behind.trim_start_matches(is_blank))
+                (Cow::Owned(text), behind.trim_start_matches(is_blank))
             }
             None => {
                 let end = rest.find(separator).unwrap_or(rest.len());
                 let (text, behind) = rest.split_at(end);
-                (text.trim().to_owned(), behind)
+                (Cow::Borrowed(text.trim()), behind)
             }
         };
         if text.contains('"') && quoted.is_none() {
@@ -94,7 +96,7 @@ mod tests {
             Some(
                 fields
                     .into_iter()
-                    .map(|f| (f.text, f.column))
+                    .map(|f| (f.text.into_owned(), f.column))
                     .collect::<Vec<_>>(),
             )
         };
