@@ -22,7 +22,7 @@ fn soft_cover_at(at: SurfacePoint, lift: Lifted) -> f32 {
 
 @if(detail)
 fn uneven_cover(mapped: f32, made: Detail) -> f32 {
-    return uneven_share(mapped, CLOUD_CONTRAST, made);
+    return THICKEST_CLOUD * uneven_share(mapped / THICKEST_CLOUD, CLOUD_CONTRAST, made);
 }
 
 fn mapped_cover(at: SurfacePoint, lift: Lifted) -> f32 {
@@ -36,6 +36,9 @@ fn cloud_texel_radii(at: SurfacePoint) -> f32 {
 }
 
 @if(detail) const CLOUD_CONTRAST: f32 = 1.6;
+// Reflectance of the thickest part of a cloud, relative to the mean of a cloud that is thick throughout. The map ends at that mean: without it, the
+// tops of weather systems would be evenly white.
+@if(detail) const THICKEST_CLOUD: f32 = 1.2;
 
 // A point of a layer above the ground, seen from a place on the ground.
 struct Lifted {
