@@ -1,7 +1,7 @@
 // Tracks of satellites: lines of constant width on screen, marks of constant size, polygons, and the ground that a sensor sees.
 //
 // `TracksVariant` in src/gpu/shader/tracks.rs lists the legal combinations of conditions: lines, marks, polygons or fills; air, inside (of it);
-// those of common/displayed.wgsl.
+// at_vertices, with lines and air: the air before them is computed at their vertices; those of common/displayed.wgsl.
 //
 // Drawn after all of the Earth, each pixel through the air in front of it. Occlusion by the globe is tested with each pixel's own ray, not with the
 // mesh.
@@ -48,16 +48,23 @@ fn covered(inside: f32, change: f32) -> f32 {
 // Visibility of an element at `from_eye`. Above the ground: hidden if the ray meets the ellipsoid before it, that is, if the ray's distance from
 // the centre is below 1 and the element is beyond its nearest point, which is in front of the eye. On the ground: hidden if the ground faces away,
 // p·e < 1, at the element's own position, because adjacent rays may miss the globe.
+@if(!at_vertices)
 fn in_sight(ray: Ray, from_eye: vec3f, flags: u32) -> f32 {
     let globe = covered(1.0 - ray.q, fwidth(ray.q));
-    let facing = dot(from_eye, track.frame.eye_scaled) + track.frame.above;
-    let faces = covered(facing, fwidth(facing));
+    let faces = ground_in_sight(from_eye);
     let is_behind = ray.along > 0.0 && dot(from_eye, ray.direction) > ray.along;
     let before = select(1.0, 1.0 - globe, is_behind);
     return select(before, faces, (flags & ON_GROUND) != 0u);
 }
 
+// The same of an element that is on the ground.
+fn ground_in_sight(from_eye: vec3f) -> f32 {
+    let facing = dot(from_eye, track.frame.eye_scaled) + track.frame.above;
+    return covered(facing, fwidth(facing));
+}
+
 // Visible colour of an element, premultiplied.
+@if(!at_vertices)
 fn seen_color(color: vec4f, ray: Ray, from_eye: vec3f) -> vec4f {
     @if(air) return through_air(color, ray, from_eye);
     @else return color;
@@ -65,18 +72,30 @@ fn seen_color(color: vec4f, ray: Ray, from_eye: vec3f) -> vec4f {
 
 // Through the air: beyond its near boundary a track is dimmed and veiled like everything that its pixel's ray meets there. For premultiplied
 // display values or light, as the target stores them.
-@if(air)
+@if(air && !at_vertices)
 fn through_air(color: vec4f, ray: Ray, from_eye: vec3f) -> vec4f {
-    let pass_ = pass_by(ray.direction, ray.q, ray.along);
-    // Where the ray meets the ground or passes nearest to the centre.
-    let up = normal_at(track.frame.eye_scaled + max(ray.along - pass_.mu, 0.0) * ray.direction);
-    let light = displayed(gathered(pass_, up, map_uv(up)).rgb, air.exposure, ray.pixel);
-    let seen = left_through(pass_) * color.rgb + light * color.a;
+    let before = air_on(ray);
+    let seen = before.through * color.rgb + stored(before.shown, ray.pixel) * color.a;
     return vec4f(select(color.rgb, seen, is_beyond_air(ray, from_eye)), color.a);
 }
 
-// Without air on the ray, nothing is beyond it.
+// Transmittance of the air on a ray, and its tone-mapped light.
 @if(air)
+struct AirOn {
+    through: vec3f,
+    shown: vec3f,
+}
+
+@if(air)
+fn air_on(ray: Ray) -> AirOn {
+    let pass_ = pass_by(ray.direction, ray.q, ray.along);
+    // Where the ray meets the ground or passes nearest to the centre.
+    let up = normal_at(track.frame.eye_scaled + max(ray.along - pass_.mu, 0.0) * ray.direction);
+    return AirOn(left_through(pass_), toned(gathered(pass_, up, map_uv(up)).rgb, air.exposure));
+}
+
+// Without air on the ray, nothing is beyond it.
+@if(air && !at_vertices)
 fn is_beyond_air(ray: Ray, from_eye: vec3f) -> bool {
     let half_chord = sqrt(max((track.air_top - ray.q) * (track.air_top + ray.q), 0.0));
     return ray.q < track.air_top && dot(from_eye, ray.direction) > ray.along - half_chord;

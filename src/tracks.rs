@@ -438,9 +438,18 @@ impl Tracks {
         for polygons in &self.polygons {
             polygons.write(&eye, &mut self.buffers.triangles);
         }
-        for lines in &self.lines {
+        // Those on the ground first: their air is computed at their points.
+        let mut ground_points = 0;
+        for are_on_ground in [true, false] {
             let points = &mut self.buffers.points;
-            lines.lines.write(lines.colors, &eye, points);
+            for lines in &self.lines {
+                if lines.lines.lies_on_ground() == are_on_ground {
+                    lines.lines.write(lines.colors, &eye, points);
+                }
+            }
+            if are_on_ground {
+                ground_points = points.len();
+            }
         }
         if let Some(twilight) = &self.twilight {
             twilight.write(self.sun_itrf, &eye, &mut self.buffers.points);
@@ -497,6 +506,7 @@ impl Tracks {
         self.drawable.set_side(side);
         let drawn = DrawnTracks {
             points: &mut buffers.points,
+            ground_points,
             marks: &buffers.marks,
             fills: &buffers.fills,
             triangles: &buffers.triangles,

@@ -12,7 +12,11 @@
 @if(filmic) import rust::{TONE_FILMIC_A, TONE_FILMIC_B, TONE_FILMIC_C, TONE_FILMIC_D, TONE_FILMIC_E, TONE_FILMIC_SCALE};
 
 fn displayed(light: vec3f, exposure: f32, pixel: vec2f) -> vec3f {
-    let shown = toned(light, exposure);
+    return stored(toned(light, exposure), pixel);
+}
+
+// As the target stores a tone-mapped value.
+fn stored(shown: vec3f, pixel: vec2f) -> vec3f {
     @if(!shown) return shown;
     @if(encode) return encode_srgb(shown) + dither(pixel);
     @if(shown && !encode) return shown + dither(pixel) * linear_per_code(shown);

@@ -26,6 +26,9 @@ struct Varying {
     @location(4) @interpolate(flat) half_width_px: f32,
     @location(5) @interpolate(flat) flags: u32,
     @location(6) half_color: vec3f,
+    // The air before the ground: along the short segments of lines on the ground it is nearly linear.
+    @if(at_vertices) @location(7) air_through: vec3f,
+    @if(at_vertices) @location(8) air_shown: vec3f,
 }
 
 fn clip_of(from_eye_m: vec3f) -> vec4f {
@@ -109,16 +112,21 @@ fn vertex(@builtin(vertex_index) index: u32, in: Segment) -> Varying {
         out.clip = vec4f(at.xy / at.w + 2.0 * out_px / track.size_px, depth_of(at, from_eye_m, in.b_flags), 1.0);
         out.one_over_w = 1.0 / at.w;
         out.from_eye_over_w = scaled(from_eye_m) / at.w;
+        @if(at_vertices) let before = air_on(ray_along(track.frame, scaled(from_eye_m), vec2f(0.0)));
+        @if(at_vertices) out.air_through = before.through;
+        @if(at_vertices) out.air_shown = before.shown;
     }
     return out;
 }
 
 @fragment
 fn fragment(in: Varying) -> @location(0) vec4f {
-    let ray = ray_of(in.clip.xy);
     let from_eye = in.from_eye_over_w / in.one_over_w;
-    let seen = in_sight(ray, from_eye, in.flags);
+    @if(!at_vertices) let ray = ray_of(in.clip.xy);
+    @if(!at_vertices) let seen = in_sight(ray, from_eye, in.flags);
+    @if(at_vertices) let seen = ground_in_sight(from_eye);
     let casing = select(CASING, 0.0, (in.flags & UNCASED) != 0u);
     let color = cased(in.color, in.half_color, in.half_width_px - abs(in.across_px), casing, seen);
-    return seen_color(color, ray, from_eye);
+    @if(!at_vertices) return seen_color(color, ray, from_eye);
+    @if(at_vertices) return vec4f(in.air_through * color.rgb + stored(in.air_shown, in.clip.xy) * color.a, color.a);
 }

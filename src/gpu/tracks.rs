@@ -104,6 +104,8 @@ const TRIANGLE: [wgpu::VertexAttribute; 6] = wgpu::vertex_attr_array![
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct TrackKinds {
     pub lines: bool,
+    /// Lines on the ground with short segments.
+    pub ground_lines: bool,
     pub marks: bool,
     pub fills: bool,
     pub polygons: bool,
@@ -112,6 +114,8 @@ pub(crate) struct TrackKinds {
 /// Elements of a frame.
 pub(crate) struct DrawnTracks<'d> {
     pub points: &'d mut Vec<LinePoint>,
+    /// How many points, the first ones, are of lines on the ground with short segments.
+    pub ground_points: usize,
     pub marks: &'d [Mark],
     pub fills: &'d [Fill],
     pub triangles: &'d [Triangle],
@@ -120,6 +124,10 @@ pub(crate) struct DrawnTracks<'d> {
 /// Pipelines and buffers.
 pub(crate) struct TracksDrawable {
     lines: Option<Batch>,
+    /// Pipelines of lines on the ground, with air.
+    ground_lines: Vec<wgpu::RenderPipeline>,
+    /// How many of the segments, the first ones, these draw.
+    ground_segments: u32,
     marks: Option<Batch>,
     fills: Option<Batch>,
     polygons: Option<Batch>,
@@ -202,7 +210,12 @@ impl TracksDrawable {
         let marks = [instances(size_of::<Mark>(), &MARK)];
         let fills = [instances(size_of::<Fill>(), &FILL)];
         let polygons = [instances(size_of::<Triangle>(), &TRIANGLE)];
+        let label = "terrella track lines on the ground";
+        let is_wanted = kinds.ground_lines && air.is_some();
+        let ground_lines = batch(is_wanted, TrackKind::GroundLines, label, &lines)?;
         Ok(Self {
+            ground_lines: ground_lines.map_or_else(Vec::new, |batch| batch.pipelines),
+            ground_segments: 0,
             lines: batch(
                 kinds.lines,
                 TrackKind::Lines,
@@ -246,6 +259,8 @@ impl TracksDrawable {
         let batch = |batch: &Option<Batch>| batch.as_ref().map(Batch::for_another_view);
         Self {
             lines: batch(&self.lines),
+            ground_lines: self.ground_lines.clone(),
+            ground_segments: 0,
             marks: batch(&self.marks),
             fills: batch(&self.fills),
             polygons: batch(&self.polygons),
@@ -275,6 +290,7 @@ impl TracksDrawable {
     ) -> u64 {
         let DrawnTracks {
             points,
+            ground_points,
             marks,
             fills,
             triangles,
@@ -294,6 +310,11 @@ impl TracksDrawable {
                 points.truncate(points.len() - PADDING);
             }
             batch.count = count as u32;
+            let ground_segments = ground_points.min(count) as u32;
+            self.ground_segments = match self.ground_lines.is_empty() {
+                true => 0,
+                false => ground_segments,
+            };
         }
         if let Some(batch) = &mut self.marks {
             bytes += batch.write(device, queue, marks, marks.len());
@@ -318,13 +339,20 @@ impl TracksDrawable {
         if let Some(batch) = &self.lines
             && let Some(buffer) = batch.buffer.as_ref().filter(|_| batch.count > 0)
         {
-            pass.set_pipeline(&batch.pipelines[self.side]);
             pass.set_bind_group(0, bind_group, &[]);
             for slot in 0..4 {
                 let from = u64::from(slot) * size_of::<LinePoint>() as u64;
                 pass.set_vertex_buffer(slot, buffer.slice(from..));
             }
-            pass.draw(0..4, 0..batch.count);
+            let ground = self.ground_lines.get(self.side);
+            if let Some(pipeline) = ground.filter(|_| self.ground_segments > 0) {
+                pass.set_pipeline(pipeline);
+                pass.draw(0..4, 0..self.ground_segments);
+            }
+            if self.ground_segments < batch.count {
+                pass.set_pipeline(&batch.pipelines[self.side]);
+                pass.draw(0..4, self.ground_segments..batch.count);
+            }
         }
         if let Some(batch) = &self.marks {
             batch.render(pass, self.side, bind_group);
@@ -335,7 +363,10 @@ impl TracksDrawable {
     pub fn calls(&self) -> (u32, u32) {
         let batches = [&self.polygons, &self.fills, &self.lines, &self.marks];
         let batches = batches.into_iter().flatten();
-        batches.fold((0, 0), |(calls, triangles), batch| {
+        let lines = self.lines.as_ref().map_or(0, |batch| batch.count);
+        // Lines of both kinds are two calls.
+        let more = u32::from((1..lines).contains(&self.ground_segments));
+        batches.fold((more, 0), |(calls, triangles), batch| {
             (
                 calls + u32::from(batch.count > 0),
                 triangles + 2 * batch.count,

@@ -21,6 +21,8 @@ const PART_RAD: f64 = 10.0 * PI / 180.0;
 const LEVEL_ERRORS_M: [f64; 11] = [
     0.0, 125.0, 250.0, 500.0, 1000.0, 2000.0, 4000.0, 8000.0, 16_000.0, 32_000.0, 64_000.0,
 ];
+/// Longest segment of a simplified line on the ground, metres: 2.5° of arc, along which the light of the air is nearly linear.
+const LONGEST_M: f64 = 280_000.0;
 /// Largest deviation on screen, pixels.
 const MAX_ERROR_PX: f64 = 0.9;
 /// A line that fits into a circle of this diameter, pixels, is left out: a small island seen from afar.
@@ -111,7 +113,7 @@ impl Polylines {
     where
         L: IntoIterator<Item = Geodetic>,
     {
-        let mut builder = Builder::new(style)?;
+        let mut builder = Builder::new(style, LONGEST_M)?;
         for line in lines {
             let mut before: Option<Geodetic> = None;
             for place in line {
@@ -148,7 +150,7 @@ impl Polylines {
     where
         L: IntoIterator<Item = DVec3>,
     {
-        let mut builder = Builder::new(style)?;
+        let mut builder = Builder::new(style, f64::INFINITY)?;
         for line in lines {
             for place in line {
                 builder.add(place)?;
@@ -195,6 +197,11 @@ impl Polylines {
     /// Their style.
     pub fn style(&self) -> LineStyle {
         self.style
+    }
+
+    /// Whether they lie on the ground: then their segments are short at all levels of detail.
+    pub(super) fn lies_on_ground(&self) -> bool {
+        self.lies_on_ground
     }
 
     /// Number of points at the finest level of detail.
@@ -278,6 +285,8 @@ fn shorter_way(difference_rad: f64) -> f64 {
 /// Collects lines and their levels of detail.
 struct Builder {
     style: LineStyle,
+    /// Longest segment of simplified lines, metres.
+    longest_m: f64,
     /// Points of all levels of detail, part after part.
     points: Vec<DVec3>,
     parts: Vec<Part>,
@@ -287,10 +296,11 @@ struct Builder {
 }
 
 impl Builder {
-    fn new(style: LineStyle) -> Result<Self, TracksError> {
+    fn new(style: LineStyle, longest_m: f64) -> Result<Self, TracksError> {
         style.check()?;
         Ok(Self {
             style,
+            longest_m,
             points: Vec::new(),
             parts: Vec::new(),
             line: Vec::new(),
@@ -346,7 +356,7 @@ impl Builder {
         let mut levels = [(0, 0); LEVEL_ERRORS_M.len()];
         let mut before = usize::MAX;
         for (k, error_m) in LEVEL_ERRORS_M.into_iter().enumerate() {
-            let kept = kept_points(line, error_m);
+            let kept = kept_points(line, error_m, self.longest_m);
             let count = kept.iter().filter(|is_kept| **is_kept).count();
             // A level that saves nothing reuses the one before.
             if count == before {
@@ -377,8 +387,9 @@ impl Builder {
     }
 }
 
-/// The points that remain when a line is simplified to within `error_m` in space (Douglas and Peucker 1973); both ends remain.
-fn kept_points(line: &[DVec3], error_m: f64) -> Vec<bool> {
+/// The points that remain when a line is simplified to within `error_m` in space (Douglas and Peucker 1973), with no segment longer than
+/// `longest_m` where the line has shorter ones; both ends remain.
+fn kept_points(line: &[DVec3], error_m: f64, longest_m: f64) -> Vec<bool> {
     let last = line.len() - 1;
     let mut kept = vec![error_m == 0.0; line.len()];
     (kept[0], kept[last]) = (true, true);
@@ -388,7 +399,7 @@ fn kept_points(line: &[DVec3], error_m: f64) -> Vec<bool> {
             .map(|k| (k, distance_to_segment(line[k], line[first], line[end])))
             .max_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((k, distance_m)) = farthest
-            && distance_m > error_m
+            && (distance_m > error_m || line[first].distance(line[end]) > longest_m)
         {
             kept[k] = true;
             spans.extend([(first, k), (k, end)]);

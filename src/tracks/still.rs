@@ -39,6 +39,7 @@ impl Tracks {
         }
         let kinds = TrackKinds {
             lines: self.kinds.lines || !lines.is_empty(),
+            ground_lines: self.kinds.ground_lines || lines.iter().any(Polylines::lies_on_ground),
             ..self.kinds
         };
         self.make_pipelines(kinds)?;

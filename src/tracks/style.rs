@@ -116,6 +116,7 @@ impl TrackStyle {
         let footprint = self.footprint;
         TrackKinds {
             lines: self.trail.or(self.ground_track).is_some() || footprint.is_some(),
+            ground_lines: false,
             marks: self.marker || self.subpoint,
             fills: footprint.is_some_and(|footprint| footprint.is_filled),
             polygons: self.swath().is_some(),

@@ -19,6 +19,8 @@ pub struct TracksVariant {
 pub enum TrackKind {
     /// Trails and ground tracks.
     Lines,
+    /// Lines on the ground with short segments: the air before them is computed at their vertices.
+    GroundLines,
     /// Dots, and rings on the ground.
     Marks,
     /// Footprints.
@@ -29,7 +31,13 @@ pub enum TrackKind {
 
 impl TrackKind {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Lines, Self::Marks, Self::Fills, Self::Polygons];
+    pub const ALL: [Self; 5] = [
+        Self::Lines,
+        Self::GroundLines,
+        Self::Marks,
+        Self::Fills,
+        Self::Polygons,
+    ];
 }
 
 impl ShaderVariant for TracksVariant {
@@ -39,6 +47,10 @@ impl ShaderVariant for TracksVariant {
         let mut all = Vec::new();
         for kind in TrackKind::ALL {
             for air in AirSide::OR_NONE {
+                if kind == TrackKind::GroundLines && air.is_none() {
+                    // They are drawn as other lines.
+                    continue;
+                }
                 all.extend(TargetColor::USUAL.map(|target| Self { kind, target, air }));
             }
         }
@@ -47,7 +59,11 @@ impl ShaderVariant for TracksVariant {
 
     fn conditions(&self) -> Vec<(&'static str, bool)> {
         let mut conditions = vec![
-            ("lines", self.kind == TrackKind::Lines),
+            (
+                "lines",
+                matches!(self.kind, TrackKind::Lines | TrackKind::GroundLines),
+            ),
+            ("at_vertices", self.kind == TrackKind::GroundLines),
             ("marks", self.kind == TrackKind::Marks),
             ("fills", self.kind == TrackKind::Fills),
             ("polygons", self.kind == TrackKind::Polygons),
