@@ -28,9 +28,10 @@ impl Rejections {
         if self.all.len() >= MAX_REJECTED {
             return;
         }
-        let is_new = names
-            .iter()
-            .fold(false, |new, name| self.names.insert(name.clone()) || new);
+        let mut is_new = false;
+        for name in &names {
+            is_new |= self.names.insert(name.clone());
+        }
         if is_new {
             self.all.push(Rejected::new(names, cause));
         }
