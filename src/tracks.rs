@@ -438,19 +438,7 @@ impl Tracks {
         for polygons in &self.polygons {
             polygons.write(&eye, &mut self.buffers.triangles);
         }
-        // Those on the ground first: their air is computed at their points.
-        let mut ground_points = 0;
-        for are_on_ground in [true, false] {
-            let points = &mut self.buffers.points;
-            for lines in &self.lines {
-                if lines.lines.lies_on_ground() == are_on_ground {
-                    lines.lines.write(lines.colors, &eye, points);
-                }
-            }
-            if are_on_ground {
-                ground_points = points.len();
-            }
-        }
+        let ground_points = still::write_lines(&self.lines, &eye, &mut self.buffers.points);
         if let Some(twilight) = &self.twilight {
             twilight.write(self.sun_itrf, &eye, &mut self.buffers.points);
         }

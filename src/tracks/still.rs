@@ -5,10 +5,11 @@ use super::lines::{LineStyle, MAX_LINE_POINTS, Polylines};
 use super::moon_shadow::InkedShadow;
 use super::places::{GroundMark, InkedPlace, MAX_PLACES};
 use super::polygons::{InkedPolygons, MAX_TRIANGLES, Polygons};
+use super::projection::EyeProjection;
 use super::stations::{InkedStation, MAX_STATIONS, Station};
 use super::twilight::InkedTwilight;
 use super::{Tracks, TracksError};
-use crate::gpu::{PassFormat, TrackKinds};
+use crate::gpu::{LinePoint, PassFormat, TrackKinds};
 
 /// Polylines, and their colour as the target stores it.
 #[derive(Clone)]
@@ -24,6 +25,26 @@ impl InkedLines {
         let colors = Ink::new(format, style.color, is_faded).at(style.opacity);
         Self { lines, colors }
     }
+}
+
+/// Adds the points of a frame, those on the ground first: their air is computed at their points. Returns how many these are.
+pub(super) fn write_lines(
+    all: &[InkedLines],
+    eye: &EyeProjection<'_>,
+    points: &mut Vec<LinePoint>,
+) -> usize {
+    let before = points.len();
+    let mut write = |are_on_ground: bool| {
+        for InkedLines { lines, colors } in all {
+            if lines.lies_on_ground() == are_on_ground {
+                lines.write(*colors, eye, points);
+            }
+        }
+        points.len() - before
+    };
+    let on_ground = write(true);
+    write(false);
+    on_ground
 }
 
 impl Tracks {

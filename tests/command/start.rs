@@ -233,7 +233,7 @@ fn what_is_neither_a_scene_nor_a_file_of_orbits_is_said_to_be_so() {
     place.scene("notes.txt", "Dear all,\nsee you.\n");
     place.scene("data.json", "{\"name\": \"x\", \"version\": 1}\n");
     place.scene("page.html", "<html><body>404</body></html>\n");
-    place.scene("other.kvn", "CCSDS_RDM_VERS = 1.0\nORIGINATOR = X\n");
+    place.scene("other.kvn", "CCSDS_XYZ_VERS = 1.0\nORIGINATOR = X\n");
     std::fs::write(place.path("a.bin"), [0xff_u8, 0xd8, 0xff, 0x00]).expect("writes");
     for file in ["notes.txt", "data.json", "page.html", "other.kvn", "a.bin"] {
         for command in ["check", "play", "orbit"] {
@@ -243,6 +243,9 @@ fn what_is_neither_a_scene_nor_a_file_of_orbits_is_said_to_be_so() {
         }
     }
     // A known but unsupported message is named, with the remedy.
+    place.scene("re-entry.txt", "CCSDS_RDM_VERS = 1.0\nORIGINATOR = X\n");
+    let told = place.fail(1, &["check", "re-entry.txt"]);
+    assert!(told.contains("(RDM) has a prediction"), "{told}");
     place.scene("sat.txt", "CCSDS_OCM_VERS = 3.0\nORIGINATOR = X\n");
     for command in ["check", "play", "orbit"] {
         let told = place.fail(1, &[command, "sat.txt"]);
