@@ -47,12 +47,12 @@ impl Ephemerides {
     ///   `…_gps`; `x_m` with `vx_m_s`); other columns are skipped. A column `error_m` is the uncertainty of a state, one standard deviation, and may
     ///   be empty. Columns `name` and `frame` give the satellite and the frame of a row. A comment before the header can give them for all rows,
     ///   together with the interpolation: `# frame = TEME, name = ISS, interpolation = HERMITE, degree = 7`. The frame is required.
-    /// - SP3 starts with `#` and a version, a to d. Its frames are read as ITRF; every satellite is an object named by its identifier (`G01`).
-    ///   Positions of zeros are gaps.
+    /// - SP3 starts with `#` and a version, a to d. Its frame is GCRF, EME2000 or TEME if the first line names it, else ITRF; every satellite is
+    ///   an object named by its identifier (`G01`). Positions of zeros are gaps.
     /// - An STK ephemeris starts with `stk.v.`; its coordinate systems ICRF, J2000, Fixed and TEMEOfDate are supported.
     ///
     /// Unreadable states, and those out of the order of time, are listed and skipped. Faulty objects are listed and the others used. `is_strict`
-    /// rejects the file instead.
+    /// rejects the file instead. Successive OEMs of one object that do not overlap are one ephemeris.
     ///
     /// # Errors
     /// If no object is valid, or, when strict, if anything is invalid: names line and column, the error, and the remedy.
