@@ -5,7 +5,7 @@ use super::entry::{Faults, MAX_ENTRIES};
 use super::file::read_text;
 use super::omm;
 use super::recognise::message_of_another_kind;
-use super::rejected::Rejected;
+use super::rejected::{MAX_REJECTED, Rejected};
 use super::sgp4_set::Sgp4Set;
 use super::text::with_line_feeds;
 use super::tle_fields::{catalogue_number, elements};
@@ -29,9 +29,6 @@ pub struct Catalogue {
     rejected: Vec<Rejected>,
     index: OnceLock<Index>,
 }
-
-/// Most records that cannot be flown whose names are kept.
-const MAX_REJECTED: usize = 100_000;
 
 /// The satellites of a file, in the order of their first sets.
 #[derive(Default)]

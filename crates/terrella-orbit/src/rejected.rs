@@ -13,7 +13,7 @@ pub(super) struct Rejected {
 }
 
 /// Most records whose names are kept.
-const MAX_REJECTED: usize = 100_000;
+pub(super) const MAX_REJECTED: usize = 100_000;
 
 /// The first rejected record of each name.
 #[derive(Debug, Default)]
