@@ -277,9 +277,7 @@ impl HeightGrid {
     /// return `false`.
     pub(super) fn rules(&self, bounds: &Bounds) -> bool {
         let (rows, columns) = self.span(bounds);
-        if let Some(is_ruled) = self.place.are_deep(rows, columns)
-            && !is_ruled
-        {
+        if self.place.are_deep(rows, columns) == Some(false) {
             return false;
         }
         if self.place.lattice.is_periodic {

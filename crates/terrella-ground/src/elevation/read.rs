@@ -468,12 +468,12 @@ impl<R: BufRead + Seek> HeightReader<R> {
     }
 
     /// Reads all heights and passes each once to `put`, in stretches of a row: row (0 is the northern), first column, metres. Samples
-    /// without data are not finite. Stops at the first error of `put`.
+    /// without data are not finite. Stops at the first error of `put`. Returns how many samples lie around projected ones.
     pub fn read<E: From<HeightFileError>>(
         self,
         conversion: &Conversion,
         mut put: impl FnMut(usize, usize, &mut [f32]) -> Result<(), E>,
-    ) -> Result<(), E> {
+    ) -> Result<u64, E> {
         let ellipsoid = self
             .above()?
             .filter(|above| *above == VerticalDatum::Ellipsoid);
@@ -490,7 +490,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
             put(row, column, heights_m)
         };
         match self.header.warp {
-            None => self.stored(conversion, &mut put),
+            None => self.stored(conversion, &mut put).map(|()| 0),
             Some(warp) => {
                 let mut held = Held::new(&warp);
                 self.stored(conversion, &mut |row, column, heights_m: &mut [f32]| {
@@ -555,7 +555,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
         let (attribution, above) = (self.attribution(), self.above()?);
         let (columns, warp) = (columns as usize, self.header.warp);
         let mut heights_m = vec![0.0f32; columns * rows as usize];
-        self.read(&conversion, |row, column, of_row: &mut [f32]| {
+        let around = self.read(&conversion, |row, column, of_row: &mut [f32]| {
             let start = row * columns + column;
             heights_m[start..start + of_row.len()].copy_from_slice(of_row);
             Ok::<_, HeightFileError>(())
@@ -567,7 +567,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
         Ok(HeightFile {
             grid,
             above,
-            around: warp.map_or(0, |warp| warp.places_around()),
+            around,
             undeclared: conversion.undeclared(),
             attribution,
             denoised,

@@ -273,16 +273,6 @@ impl Warp {
         places.extend((first..columns).map(|column| self.within(exact(column))));
     }
 
-    /// Places of the target grid outside the projected one.
-    pub fn places_around(&self) -> u64 {
-        let mut places = Vec::new();
-        let around = (0..self.place.rows).map(|row| {
-            self.locate_row(row, &mut places);
-            places.iter().filter(|place| place.is_none()).count() as u64
-        });
-        around.sum()
-    }
-
     /// A place of the projected grid, moved from its margin to the outermost samples; `None` outside it.
     fn within(&self, at: DVec2) -> Option<(f64, f64)> {
         let within = |at: f64, count: u32| at.clamp(0.0, f64::from(count - 1));

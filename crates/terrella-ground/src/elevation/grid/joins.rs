@@ -17,6 +17,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Spacings within this factor are similar. Otherwise the finer grid blends into the coarser one.
 const LIKE: f64 = 2.0;
+
 /// Connections of a grid with other grids.
 #[derive(Clone, Debug, Default)]
 pub struct Joins(Option<Box<Joined>>);

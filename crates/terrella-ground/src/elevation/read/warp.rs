@@ -30,22 +30,24 @@ impl<'a> Held<'a> {
         self.heights_m[start..start + heights_m.len()].copy_from_slice(heights_m);
     }
 
-    /// Passes on all rows of the target grid; NaN outside the projected one.
+    /// Passes on all rows of the target grid; NaN outside the projected one. Returns how many places lie outside.
     pub(super) fn rows<E>(
         &self,
         put: &mut impl FnMut(usize, usize, &mut [f32]) -> Result<(), E>,
-    ) -> Result<(), E> {
+    ) -> Result<u64, E> {
         let warp = self.warp;
+        let mut outside = 0;
         let mut heights_m = vec![0.0; warp.place.columns as usize];
         let mut places = Vec::new();
         for row in 0..warp.place.rows {
             warp.locate_row(row, &mut places);
+            outside += places.iter().filter(|at| at.is_none()).count() as u64;
             for (height_m, at) in heights_m.iter_mut().zip(&places) {
                 *height_m = at.map_or(f32::NAN, |(row, column)| self.height_m(row, column));
             }
             put(row as usize, 0, &mut heights_m)?;
         }
-        Ok(())
+        Ok(outside)
     }
 
     fn height_m(&self, row: f64, column: f64) -> f32 {
