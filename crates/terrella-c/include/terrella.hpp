@@ -242,6 +242,33 @@ private:
     Handle<TerrellaEarth, terrella_earth_free> handle_;
 };
 
+// Device extensions that the host must enable; see terrella_vulkan_extension. The names are never freed.
+[[nodiscard]] inline std::vector<const char *> vulkan_extensions(const TerrellaVulkanHost &host) {
+    std::vector<const char *> names;
+    const char *name = nullptr;
+    for (std::size_t index = 0; check(terrella_vulkan_extension(&host, index, &name)), name; ++index) names.push_back(name);
+    return names;
+}
+
+// An Earth on a program's own Vulkan device, for images of one VkFormat; see terrella_vulkan_earth_new. Destroy it before the device.
+class VulkanEarth {
+public:
+    VulkanEarth(const TerrellaVulkanHost &host, std::uint32_t vk_format, const TerrellaOptions &options = default_options()) {
+        TerrellaVulkanEarth *earth = nullptr;
+        check(terrella_vulkan_earth_new(&host, &options, vk_format, &earth));
+        handle_ = Handle<TerrellaVulkanEarth, terrella_vulkan_earth_free>(earth);
+    }
+    // Submits to the host's queue and does not wait for it; see terrella_vulkan_draw. Waits for tiles of a pack, at most `wait_s` seconds.
+    void draw(const TerrellaCamera &camera, const Time &time, const TerrellaVulkanImage &image, double wait_s = 30,
+              TerrellaDrawn *drawn = nullptr) {
+        check(terrella_vulkan_draw(get(), &camera, time, wait_s, &image, drawn));
+    }
+    [[nodiscard]] TerrellaVulkanEarth *get() const noexcept { return handle_.get(); }
+
+private:
+    Handle<TerrellaVulkanEarth, terrella_vulkan_earth_free> handle_;
+};
+
 // Position and velocity of a satellite: Earth-fixed axes (ITRF), metres and metres per second. The velocity is relative to the rotating Earth.
 struct State {
     std::array<double, 3> position_m;

@@ -218,6 +218,21 @@ fn classes_of_cpp_throw_and_free() {
 }
 
 #[test]
+fn the_class_for_vulkan_draws_and_throws() {
+    if !has("g++") || !has_vulkan_headers() {
+        return;
+    }
+    let out = tempfile::tempdir().expect("a folder");
+    let program = Build {
+        source: "tests/c/vulkan.cpp",
+        arguments: &["-fsanitize=address,undefined"],
+        libraries: &["-lvulkan"],
+        name: "vulkan_class",
+    };
+    run(&build(&program, out.path()), out.path(), &[]);
+}
+
+#[test]
 fn the_classes_name_the_cpp_that_they_need() {
     if !has("g++") {
         return;
