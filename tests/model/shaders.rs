@@ -56,7 +56,7 @@ impl Shader {
 }
 
 /// Of each so many variants one is sampled. A prime: variants are listed by nested loops over choices of two to five.
-const SAMPLED: usize = 11;
+const SAMPLED: usize = 53;
 
 /// Calls a function for the variants of all shaders, and returns its results.
 macro_rules! for_all_shaders {
