@@ -362,8 +362,8 @@ impl Earth {
         surface_config(&self.device, style, format, &self.quality, air, ground)
     }
 
-    /// Draws what [`Self::prepare`] selected into the host's pass: the surface through the atmosphere, then the halo at the limb, and clouds
-    /// over an eye below them. Draw opaque objects first: the halo then covers those behind the Earth.
+    /// Draws what [`Self::prepare`] selected into the host's pass: the surface through the atmosphere, then the halo and the clouds at the
+    /// limb, and clouds over an eye below them. Draw opaque objects first: the halo then covers those behind the Earth.
     ///
     /// A host that draws Sun and stars calls the three parts instead, with the sky before the third: clouds hide it.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
@@ -412,6 +412,8 @@ impl Earth {
         if self.format.depth != DepthBuffer::None {
             render_halo(view, pass);
         }
+        self.surface
+            .render_clouds_at_limb(pass, &view.surface, &view.plan);
         if let Some(air) = &view.air {
             air.render_glow(pass, &view.plan);
         }

@@ -29,6 +29,7 @@ struct FrameUniforms {
     shadow: MoonShadow,
     // Radiance of the brightest city lights.
     lamp_light: f32,
-    padding_a: f32,
-    padding_b: vec2f,
+    // Fraction of the clouds that rises above the edge of the ground.
+    clouds_at_limb: f32,
+    padding: vec2f,
 }

@@ -59,7 +59,7 @@ fn pixel_ray(pixel: vec2f) -> vec3f {
 }
 
 // The surface point from its normal `up` and its distance, `radii` equatorial radii times the ray's length.
-@if(!points && !overhead)
+@if(!points && !beside_ground)
 fn point_on_ray(in: Varying, ray: vec3f, radii: f32, up: vec3f) -> SurfacePoint {
     var out = seen_along(ray, radii, up);
     let angles = longitude_latitude(in, up, max(length(up.xy), 1e-7));

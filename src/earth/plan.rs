@@ -245,6 +245,11 @@ impl Planner {
             false => 1.0,
         };
         plan.is_below_clouds = clouds_before < 1.0;
+        let clouds_at_limb = match self.shows_clouds && view.may_see_limb(&ellipsoid) {
+            true => self.light.clouds_at_limb(eye.height_m, pixel_rad),
+            false => 0.0,
+        };
+        plan.has_clouds_at_limb = clouds_at_limb > 0.0;
         stats.moon_shadow = shadow.is_some();
         plan.uniforms = FrameUniforms {
             sun_itrf: sky.sun_itrf.as_vec3(),
@@ -254,6 +259,7 @@ impl Planner {
             shadow: MoonShadowUniforms::new(shadow.as_ref(), &ellipsoid),
             lamp_light: light.lamp_light() as f32,
             clouds_before: clouds_before as f32,
+            clouds_at_limb: clouds_at_limb as f32,
             ..view.uniforms(&ellipsoid)
         };
         if self.has_air {

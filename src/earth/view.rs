@@ -183,6 +183,24 @@ impl ItrfView {
         }
     }
 
+    /// Whether a part of the image may be beside the ground. The ground's outline is convex: an image whose corners show ground shows nothing else.
+    pub fn may_see_limb(&self, ellipsoid: &Ellipsoid) -> bool {
+        let scale = ellipsoid.itrf_from_scaled();
+        let eye = self.eye_itrf_m / scale;
+        let above = (eye.length() - 1.0) * (eye.length() + 1.0);
+        let PixelRays {
+            corner,
+            right,
+            down,
+        } = self.picture;
+        let corners = [corner, corner + right, corner + down, corner + right + down];
+        !corners.into_iter().all(|ray| {
+            let ray = ray / scale;
+            let along = eye.dot(ray);
+            along < 0.0 && along * along >= above * ray.length_squared()
+        })
+    }
+
     /// Whether the view has an image. A matrix without an inverse gives none: it maps the world to a line or point, and a pixel's ray is undefined.
     fn can_be_drawn(&self) -> bool {
         // A comparison with NaN is false.

@@ -21,10 +21,14 @@ pub(super) enum PassKind {
     CityLights,
     /// Clouds overhead, for an eye below them.
     CloudsOverhead,
+    /// Clouds above the edge of the ground, for an eye outside the air.
+    CloudsAtLimb,
+    /// The same in frames with the Moon's shadow.
+    EclipsedCloudsAtLimb,
 }
 
 impl PassKind {
-    pub const COUNT: usize = 8;
+    pub const COUNT: usize = 10;
     pub const ALL: [Self; Self::COUNT] = [
         Self::Everything,
         Self::Daylit,
@@ -34,6 +38,8 @@ impl PassKind {
         Self::Eclipsed,
         Self::CityLights,
         Self::CloudsOverhead,
+        Self::CloudsAtLimb,
+        Self::EclipsedCloudsAtLimb,
     ];
 
     /// The kind for a draw of a frame.
@@ -51,10 +57,11 @@ impl PassKind {
     /// The kind that replaces this one if it is not available.
     pub fn instead(self) -> Option<Self> {
         match self {
-            Self::Everything | Self::CityLights | Self::CloudsOverhead => None,
+            Self::Everything | Self::CityLights | Self::CloudsOverhead | Self::CloudsAtLimb => None,
             Self::Daylit | Self::Eclipsed => Some(Self::Everything),
             Self::Interpolated => Some(Self::Daylit),
             Self::Land | Self::OpenSea => Some(Self::Interpolated),
+            Self::EclipsedCloudsAtLimb => Some(Self::CloudsAtLimb),
         }
     }
 }

@@ -15,7 +15,7 @@ use super::surface_pipelines::{
 use super::surface_view::SurfaceView;
 use super::tiles::TileTextures;
 use super::{Binding, GpuMap, MapError, ShaderError, UploadedMaps};
-use crate::plan::{ChosenTiles, DrawLight, FramePlan, SurfaceLightUniforms};
+use crate::plan::{ChosenTiles, DrawLight, FramePlan, LIMB_SEGMENTS, SurfaceLightUniforms};
 use std::sync::Arc;
 use terrella_ground::globe::{BlockSet, Shading};
 use terrella_imagery::residency::{Pool, Upload};
@@ -224,8 +224,8 @@ impl SurfaceDrawable {
         if !points.is_none_or(|points| points.are_ready(&plan.city_lights)) {
             return false;
         }
-        let overhead = self.clouds_overhead_of(plan);
-        let mut kinds = kinds.chain(city_lights).chain(overhead);
+        let clouds = self.clouds_beside_ground_of(plan);
+        let mut kinds = kinds.chain(city_lights).chain(clouds);
         kinds.all(|kind| {
             self.pipelines.pass(side, kind).is_some() && view.group(side, kind).is_some()
         })
@@ -240,11 +240,20 @@ impl SurfaceDrawable {
         is_drawn.then_some(kind)
     }
 
-    /// The kind of draw for clouds overhead, if the plan has any.
-    fn clouds_overhead_of(&self, plan: &FramePlan) -> Option<PassKind> {
-        let kind = PassKind::CloudsOverhead;
-        let is_drawn = plan.is_below_clouds && self.pipelines.has(side_of(plan), kind);
-        is_drawn.then_some(kind)
+    /// The kind of draw for clouds beside the ground, if the plan has any.
+    fn clouds_beside_ground_of(&self, plan: &FramePlan) -> Option<PassKind> {
+        let kind = match plan {
+            plan if plan.is_below_clouds => PassKind::CloudsOverhead,
+            plan if !plan.has_clouds_at_limb => return None,
+            plan if plan.has_moon_shadow => PassKind::EclipsedCloudsAtLimb,
+            _ => PassKind::CloudsAtLimb,
+        };
+        let side = side_of(plan);
+        let kinds = [Some(kind), kind.instead()];
+        kinds
+            .into_iter()
+            .flatten()
+            .find(|kind| self.pipelines.has(side, *kind))
     }
 
     /// Creates and binds the missing pipelines of a plan.
@@ -266,7 +275,7 @@ impl SurfaceDrawable {
             points.make_ready(device, &plan.city_lights);
         }
         let kinds = kinds.chain(city_lights);
-        let wanted: Vec<_> = kinds.chain(self.clouds_overhead_of(plan)).collect();
+        let wanted: Vec<_> = kinds.chain(self.clouds_beside_ground_of(plan)).collect();
         let maker = self.maker(view);
         let missing = wanted.iter().map(|kind| (side, *kind));
         self.pipelines
@@ -371,8 +380,32 @@ impl SurfaceDrawable {
         view: &SurfaceView,
         plan: &FramePlan,
     ) {
+        if plan.is_below_clouds {
+            self.render_clouds(pass, view, plan, 3);
+        }
+    }
+
+    /// Draws the clouds above the edge of the ground, over the air.
+    pub fn render_clouds_at_limb(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        view: &SurfaceView,
+        plan: &FramePlan,
+    ) {
+        if !plan.is_below_clouds {
+            self.render_clouds(pass, view, plan, 6 * LIMB_SEGMENTS);
+        }
+    }
+
+    fn render_clouds(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        view: &SurfaceView,
+        plan: &FramePlan,
+        vertices: u32,
+    ) {
         let side = side_of(plan);
-        let drawn = self.clouds_overhead_of(plan).and_then(|kind| {
+        let drawn = self.clouds_beside_ground_of(plan).and_then(|kind| {
             let pass = self.pipelines.pass(side, kind)?;
             Some((pass, view.group(side, kind)?))
         });
@@ -381,7 +414,7 @@ impl SurfaceDrawable {
             pass.set_pipeline(&drawn.pipeline);
             pass.set_bind_group(0, group, &[]);
             pass.set_bind_group(1, maps, &[]);
-            pass.draw(0..3, 0..1);
+            pass.draw(0..vertices, 0..1);
         }
     }
 

@@ -230,6 +230,11 @@ impl SurfaceMaker {
                     PassKind::Eclipsed => all.eclipsed().filter(|_| config.light.eclipses),
                     PassKind::CityLights => city_lights,
                     PassKind::CloudsOverhead => all.clouds_overhead(config.light.eclipses),
+                    PassKind::CloudsAtLimb => all.clouds_at_limb(),
+                    PassKind::EclipsedCloudsAtLimb => all
+                        .clouds_at_limb()
+                        .and_then(EarthVariant::eclipsed)
+                        .filter(|_| config.light.eclipses),
                 },
                 pass: None,
             })
@@ -277,7 +282,7 @@ impl SurfaceMaker {
             description.writes_depth = false;
             description.blend = Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING);
         }
-        if variant.form == VertexForm::Sky {
+        if matches!(variant.form, VertexForm::Sky | VertexForm::Limb) {
             description.buffers = &[];
             description.primitive = wgpu::PrimitiveState::default();
             description.writes_depth = false;

@@ -13,6 +13,9 @@ use terrella_imagery::tile::MAP_LAYERS;
 /// Triangles of the rectangle for airglow and aurora.
 const GLOW_TRIANGLES: u32 = 2;
 
+/// Quads of the ring for the clouds above the edge of the ground.
+pub(crate) const LIMB_SEGMENTS: u32 = 128;
+
 /// Triangles of the rectangle for a city light.
 const POINT_TRIANGLES: u32 = 2;
 
@@ -66,6 +69,8 @@ pub(crate) struct FramePlan {
     pub has_moon_shadow: bool,
     /// Whether the eye is below the clouds, or so little above that they are also visible from below.
     pub is_below_clouds: bool,
+    /// Whether clouds may be seen above the edge of the ground.
+    pub has_clouds_at_limb: bool,
     /// The billboard of the air's halo; `None` without air.
     pub air: Option<AirPlan>,
 }
@@ -95,6 +100,7 @@ impl FramePlan {
             daylit: BlockSet::default(),
             has_moon_shadow: false,
             is_below_clouds: false,
+            has_clouds_at_limb: false,
             air: None,
         }
     }
@@ -109,6 +115,7 @@ impl FramePlan {
         self.daylit = BlockSet::default();
         self.has_moon_shadow = false;
         self.is_below_clouds = false;
+        self.has_clouds_at_limb = false;
         self.air = None;
     }
 
@@ -123,6 +130,7 @@ impl FramePlan {
             draw_calls: (self.draws.len()
                 + self.city_lights.len()
                 + usize::from(self.is_below_clouds)
+                + usize::from(self.has_clouds_at_limb)
                 + usize::from(air.is_some())
                 + usize::from(glow.is_some())) as u32,
             triangles: surface
@@ -130,6 +138,7 @@ impl FramePlan {
                 .chain(air)
                 .chain(glow)
                 .chain(self.is_below_clouds.then_some(1))
+                .chain(self.has_clouds_at_limb.then_some(2 * LIMB_SEGMENTS))
                 .sum(),
         }
     }

@@ -31,7 +31,7 @@ pub(crate) use cells::{CellLight, CellLights, interpolated_cells};
 pub(crate) use draws::{
     DrawCosts, DrawLight, LISTED_INDICES, PER_BLOCK_TILES, SurfaceDraw, WHOLE_MAP, draw_blocks,
 };
-pub(crate) use frame::{BlockTiles, ChosenTiles, CityDraw, FramePlan};
+pub(crate) use frame::{BlockTiles, ChosenTiles, CityDraw, FramePlan, LIMB_SEGMENTS};
 pub use glow::{AIRGLOW_LUMINANCE, GlowUniforms};
 pub(crate) use glow::{
     GLOW_BASE_M, GLOW_DAY_SIN, GLOW_NIGHT_SIN, GLOW_TOP, GREEN_LIGHT, LAYER_HEIGHTS, LAYER_SIGMAS,

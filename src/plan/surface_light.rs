@@ -2,6 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use std::ops::RangeInclusive;
+use terrella_ground::air::THICKNESS_M;
 use terrella_imagery::SLOPE_EXAGGERATION;
 
 /// Options of the light on the surface, with [`terrella_ground::globe::Shading::Sunlit`]. Options that belong to a map have no effect if the Earth
@@ -165,6 +166,8 @@ pub const CITY_RADIANCE: f64 = 4.1e-6;
 
 /// Equatorial radius that altitudes of clouds count from, metres.
 const RADIUS_M: f64 = 6_378_137.0;
+/// Height of the clouds above which they are drawn above the edge of the ground, pixels.
+const LEAST_AT_LIMB_PX: f64 = 0.1;
 /// Reflectance of foam, Koepke 1984.
 const FOAM_REFLECTANCE: f64 = 0.22;
 
@@ -262,6 +265,19 @@ impl SurfaceLight {
         let within_m = CLOUD_FADE_M.min(0.1 * self.cloud_height_m);
         let x = 0.5 + 0.5 * (eye_height_m - self.cloud_height_m) / within_m;
         let x = x.clamp(0.0, 1.0);
+        x * x * (3.0 - 2.0 * x)
+    }
+
+    /// Fraction of the clouds that is drawn above the edge of the ground for an eye at this height: 0 in the air, 1 from one and a half times its
+    /// height, and 0 where the clouds are lower than a tenth of a pixel.
+    pub(crate) fn clouds_at_limb(&self, eye_height_m: f64, pixel_rad: f64) -> f64 {
+        let to_limb_m = (eye_height_m * (2.0 * RADIUS_M + eye_height_m))
+            .max(0.0)
+            .sqrt();
+        if self.cloud_height_m < LEAST_AT_LIMB_PX * pixel_rad * to_limb_m {
+            return 0.0;
+        }
+        let x = (2.0 * (eye_height_m / THICKNESS_M - 1.0)).clamp(0.0, 1.0);
         x * x * (3.0 - 2.0 * x)
     }
 

@@ -38,8 +38,10 @@ pub struct FrameUniforms {
     pub shadow: MoonShadowUniforms,
     /// Radiance of the brightest city lights, relative to a white sheet that faces the Sun in space.
     pub lamp_light: f32,
+    /// Fraction of the clouds that rises above the edge of the ground.
+    pub clouds_at_limb: f32,
     /// Pads the row.
-    pub padding: [f32; 3],
+    pub padding: [f32; 2],
 }
 
 /// `MoonShadow` of `shaders/common/moon_shadow.wgsl`. ITRF axes, equatorial radii.

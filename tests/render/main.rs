@@ -5,6 +5,7 @@ mod aurora;
 mod bloom;
 mod changes;
 mod city_lights;
+mod clouds_at_limb;
 mod clouds_overhead;
 #[path = "../common/mod.rs"]
 mod common;

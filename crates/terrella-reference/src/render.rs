@@ -1,6 +1,7 @@
 //! One picture of a reference: rays, and how finely each looks at the maps.
 
 use super::geometry::{Rays, ScaledRay, half_chord};
+use super::light::smooth_step;
 use super::path::Path;
 use super::relief::{relief_distance_m, slope};
 use super::shading::{AirFactors, CloudFactors, GroundShader};
@@ -16,6 +17,9 @@ pub const MAX_TAPS: u32 = 512;
 
 /// Taps for each texel that a ray's part of the pixel is long: at one, a map of stripes of a texel would beat with them.
 const TAPS_PER_TEXEL: f64 = 2.0;
+
+/// Height of the air, metres. Clouds above the edge of the ground are seen from outside it.
+const AIR_M: f64 = 100_000.0;
 
 /// Lower bound of the texel width, as cosine of the latitude (84°): at the pole itself all columns of a map meet, and none of them has a meaning.
 const MIN_COS_LATITUDE: f64 = 0.1;
@@ -34,6 +38,8 @@ pub(super) struct RayCaster<'r> {
     eye_in_air: DVec3,
     /// Height of the clouds over the eye, equatorial radii; `None` if it is above them or there are none.
     clouds_overhead: Option<f64>,
+    /// Fraction of the clouds that is seen above the edge of the ground.
+    clouds_at_limb: f64,
     sun: DVec3,
     sun_scaled: DVec3,
     /// Texels of the finest map per radian of longitude and of latitude.
@@ -109,6 +115,7 @@ impl<'r> RayCaster<'r> {
             clouds_overhead: ground
                 .cloud_height()
                 .filter(|height| eye.length() < 1.0 + height),
+            clouds_at_limb: smooth_step(1.0, 1.5, (eye.length() - 1.0) * scale.x / AIR_M),
             sun: sky.sun_itrf,
             sun_scaled,
             texels_per_rad: (f64::from(width) / (2.0 * PI), f64::from(height) / PI),
@@ -156,6 +163,8 @@ impl<'r> RayCaster<'r> {
             light += self.ground_light(part, direction, &line, hit, &factors);
         } else if let Some(height) = self.clouds_overhead {
             light = self.behind_clouds(light, height, &in_air, direction);
+        } else if self.clouds_at_limb > 0.0 {
+            light = self.behind_clouds_at_limb(light, &line, scaled, direction);
         }
         RaySample {
             light,
@@ -184,6 +193,36 @@ impl<'r> RayCaster<'r> {
         }
         let (left, added) = before;
         added + left * cloud.light * self.exposure + cloud.through * (sky - added)
+    }
+
+    /// The sky's light in a direction beside the ground, with the clouds before a part of it that the ray enters from above. Of their tops, fewer and
+    /// fewer are above a ray that passes higher.
+    fn behind_clouds_at_limb(
+        &self,
+        sky: DVec3,
+        ray: &ScaledRay,
+        scaled: DVec3,
+        direction: DVec3,
+    ) -> DVec3 {
+        let Some(top) = self.ground.cloud_height().map(|height| 1.0 + height) else {
+            return sky;
+        };
+        if ray.nearest >= top || ray.along <= 0.0 {
+            return sky;
+        }
+        let distance = ray.along - half_chord(top, ray.nearest);
+        let up = (ray.point(distance) / self.scale).normalize();
+        let air = self.before_clouds(scaled, DVec3::ZERO, self.ground.albedo_about(up));
+        let to_eye = -direction.normalize();
+        let Some((light, albedo)) =
+            self.ground
+                .clouds_from_above(up, to_eye, self.sun, air.as_ref())
+        else {
+            return sky;
+        };
+        let square = ray.nearest * ray.nearest;
+        let higher = self.clouds_at_limb * (1.0 - smooth_step(1.0, top * top, square));
+        sky * (1.0 - higher * albedo) + light * (higher * self.ground.exposure(self.exposure))
     }
 
     /// Factors of the air on the light of clouds in a direction of scaled space, if the air in front of the ground adds `added` and clouds and

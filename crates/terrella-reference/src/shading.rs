@@ -212,23 +212,35 @@ impl GroundShader {
         }
         let over = self.clouds.above(up, point.to_eye);
         if air.sees_clouds
-            && let Some(albedo) = self.cloud_albedo(over)
+            && let Some((light, albedo)) =
+                self.clouds_from_above(over, point.to_eye, sun, air.clouds.as_ref())
         {
-            let mu_above = over.dot(sun);
-            let reflected =
-                self.clouds
-                    .reflected(albedo, mu_above, (over.dot(point.to_eye), to_sun));
-            let light = match (&self.above_clouds, &air.clouds) {
-                (Some(clouds), Some(before)) => {
-                    let sunlight = clouds.sun.at(mu_above) * before.factors.sun;
-                    let skylight = clouds.air.at(mu_above).sky * before.factors.sky;
-                    sunlight * reflected + albedo * (skylight + before.more)
-                }
-                _ => self.clouds.sunlight_without_air(mu_above) * reflected,
-            };
             color = light + color * (1.0 - albedo);
         }
         color
+    }
+
+    /// Light to the eye of the clouds with this outward normal, seen from above through this air, and their reflectance for diffuse light.
+    pub fn clouds_from_above(
+        &self,
+        up: DVec3,
+        to_eye: DVec3,
+        sun: DVec3,
+        air: Option<&CloudFactors>,
+    ) -> Option<(DVec3, f64)> {
+        let albedo = self.cloud_albedo(up)?;
+        let mu = up.dot(sun);
+        let cosines = (up.dot(to_eye), to_eye.dot(sun));
+        let reflected = self.clouds.reflected(albedo, mu, cosines);
+        let light = match (&self.above_clouds, air) {
+            (Some(clouds), Some(before)) => {
+                let sunlight = clouds.sun.at(mu) * before.factors.sun;
+                let skylight = clouds.air.at(mu).sky * before.factors.sky;
+                sunlight * reflected + albedo * (skylight + before.more)
+            }
+            _ => self.clouds.sunlight_without_air(mu) * reflected,
+        };
+        Some((light, albedo))
     }
 
     /// Height of the clouds, equatorial radii; `None` without.

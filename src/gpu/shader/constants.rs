@@ -4,8 +4,8 @@
 use super::relief_constants::RELIEF;
 use super::value::Value::{self, F32, U32, Vec3};
 use crate::plan::{
-    GLOW_DAY_SIN, GLOW_NIGHT_SIN, GREEN_LIGHT, LAYER_HEIGHTS, LAYER_SIGMAS, LOW_LIGHT,
-    PER_BLOCK_TILES, RED_LIGHT, WHOLE_MAP,
+    GLOW_DAY_SIN, GLOW_NIGHT_SIN, GREEN_LIGHT, LAYER_HEIGHTS, LAYER_SIGMAS, LIMB_SEGMENTS,
+    LOW_LIGHT, PER_BLOCK_TILES, RED_LIGHT, WHOLE_MAP,
 };
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -107,6 +107,7 @@ const SHARED: &[(&str, Value)] = &[
     ("NIGHT_LIGHTS", U32(MapLayer::NightLights as u32)),
     ("WATER", U32(MapLayer::Water as u32)),
     ("TILE_BORDER", U32(TILE_BORDER)),
+    ("LIMB_SEGMENTS", U32(LIMB_SEGMENTS)),
     ("WHOLE_MAP", U32(WHOLE_MAP)),
     ("PER_BLOCK_TILES", U32(PER_BLOCK_TILES)),
     ("PART_CELL_WORDS", U32(PART_CELL_WORDS)),

@@ -34,6 +34,8 @@ pub enum VertexForm {
     CityPoints,
     /// No mesh: the whole sky, for clouds overhead.
     Sky,
+    /// A ring around the ground, for the clouds above its edge.
+    Limb,
     /// Prisms behind whose faces rays are cast at pages of contours. Each lies in one block.
     ContourPrisms {
         /// Whether blocks have tiles.
@@ -228,6 +230,33 @@ impl EarthVariant {
         }
     }
 
+    /// The variant of this variant's clouds above the edge of the ground; `None` if there are no clouds or the eye is in the air.
+    pub fn clouds_at_limb(self) -> Option<Self> {
+        match self.output {
+            EarthOutput::Picture(ShadingVariant::Sunlit(layers), target)
+                if layers.clouds && layers.air != Some(AirSide::Inside) =>
+            {
+                let shown = [
+                    LightEffect::Detail,
+                    LightEffect::DirectionalReflectance,
+                    LightEffect::Moonlight,
+                ];
+                let layers = SunlitLayers {
+                    clouds: true,
+                    effects: layers.effects.and(LightEffects::of(&shown)),
+                    air: layers.air,
+                    ..SunlitLayers::default()
+                };
+                Some(Self {
+                    form: VertexForm::Limb,
+                    output: EarthOutput::Picture(ShadingVariant::Sunlit(layers), target),
+                    ..self
+                })
+            }
+            _ => None,
+        }
+    }
+
     /// The variant of ground under points of light; `None` if there are none over this variant.
     pub fn below_points(self) -> Option<Self> {
         self.lights_as_points()?;
@@ -294,7 +323,7 @@ impl VertexForm {
             Self::BlockLattice { tiles } | Self::ProjectedGrid { tiles } => tiles,
             Self::ContourPrisms { tiles, .. } => tiles,
             Self::ReliefPatches(tiles) => tiles != PatchTiles::None,
-            Self::CityPoints | Self::Sky => false,
+            Self::CityPoints | Self::Sky | Self::Limb => false,
         }
     }
 
@@ -451,15 +480,18 @@ impl ShaderVariant for EarthVariant {
         open_sea.dedup();
         let below_points: Vec<_> = all.iter().filter_map(|v| v.below_points()).collect();
         let city_lights = outputs_of_city_lights().map(Self::of_city_lights);
-        let mut overhead: Vec<_> = SWITCH
+        let overhead = SWITCH
             .into_iter()
-            .flat_map(|eclipse| all.iter().filter_map(move |v| v.clouds_overhead(eclipse)))
-            .collect();
-        overhead.sort_unstable();
-        overhead.dedup();
+            .flat_map(|eclipse| all.iter().filter_map(move |v| v.clouds_overhead(eclipse)));
+        let at_limb: Vec<_> = all.iter().filter_map(|v| v.clouds_at_limb()).collect();
+        let eclipsed = at_limb.iter().filter_map(|v| v.eclipsed());
+        let mut beside: Vec<_> = overhead.chain(eclipsed).collect();
+        beside.extend(at_limb);
+        beside.sort_unstable();
+        beside.dedup();
         let all = all.into_iter().chain(interpolated);
         let all = all.chain(open_sea).chain(below_points).chain(city_lights);
-        all.chain(overhead).collect()
+        all.chain(beside).collect()
     }
 
     fn needs(&self) -> Vec<ShaderCapability> {
@@ -503,11 +535,13 @@ impl ShaderVariant for EarthVariant {
             ("cast", matches!(form, Form::ContourPrisms { .. })),
             ("points", form == Form::CityPoints),
             ("overhead", form == Form::Sky),
+            ("limb", form == Form::Limb),
+            ("beside_ground", matches!(form, Form::Sky | Form::Limb)),
             (
                 "relief",
                 !matches!(
                     form,
-                    Form::BlockLattice { .. } | Form::CityPoints | Form::Sky
+                    Form::BlockLattice { .. } | Form::CityPoints | Form::Sky | Form::Limb
                 ),
             ),
             (

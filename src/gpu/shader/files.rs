@@ -140,6 +140,7 @@ files![
     "earth/bindings.wgsl",
     "earth/blocks.wgsl",
     "earth/city_lights.wgsl",
+    "earth/clouds_at_limb.wgsl",
     "earth/clouds_overhead.wgsl",
     "earth/fragment.wgsl",
     "earth/maps.wgsl",

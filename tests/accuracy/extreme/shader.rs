@@ -95,7 +95,8 @@ fn on_the_adapter(pixels: &[PixelRay]) -> Vec<Placed> {
             clouds_before: 1.0,
             shadow: bytemuck::Zeroable::zeroed(),
             lamp_light: 0.0,
-            padding: [0.0; 3],
+            clouds_at_limb: 0.0,
+            padding: [0.0; 2],
         };
         queue.write_buffer(&frame, 0, bytemuck::bytes_of(&values));
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());

@@ -64,6 +64,7 @@ fn structs_match_the_shaders() {
             clouds_before,
             shadow,
             lamp_light,
+            clouds_at_limb,
             padding
         ]
     );
