@@ -107,7 +107,7 @@ pub use truth::{TruthPoint, TruthView};
 pub(crate) use view::ItrfView;
 #[cfg(any(feature = "celestial", feature = "tracks"))]
 pub(crate) use view::ball_bounds;
-pub use view::{EyeView, PixelRays, Viewport, infinite_reversed_z};
+pub use view::{EyeView, PixelRays, ViewError, Viewport, infinite_reversed_z};
 
 /// Bytes of tiles uploaded per round while an image waits for them.
 const WAITING_UPLOAD_BYTES: u64 = 64_000_000;

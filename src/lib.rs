@@ -146,7 +146,7 @@ pub use earth::{
     EarthError, EarthOptions, EarthView, EyeView, FrameRequest, FrameStats, GroundOptions,
     Pipelines, PixelRays, Quality, QualityChange, QualityLadder, QualityLadderError, QualityLevel,
     QualityReduction, QualityStep, ReadyChange, Sky, SurfaceOutput, TILED_SUBDIVISION, TileOptions,
-    TruthPoint, TruthView, ViewFrame, Viewport,
+    TruthPoint, TruthView, ViewError, ViewFrame, Viewport,
 };
 #[cfg(feature = "offscreen")]
 pub use gpu::{AdapterReport, ContextError, GpuContext, GpuFault, PictureError, adapter_reports};

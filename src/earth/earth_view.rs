@@ -29,6 +29,8 @@ pub struct EarthView {
     pub(super) version: Version,
     /// Whether the warning that it belongs to another Earth was logged.
     pub(super) is_rejected: bool,
+    /// Whether the warning that its eye's view cannot be drawn was logged.
+    is_unseen: bool,
 }
 
 /// State of an Earth that a view was made for: its terrain, and its pipelines for a quality and appearance.
@@ -58,6 +60,7 @@ impl EarthView {
             stats: FrameStats::default(),
             version,
             is_rejected: false,
+            is_unseen: false,
         }
     }
 
@@ -132,6 +135,11 @@ impl EarthView {
 
     /// Selects what it shows, without tiles and without the GPU.
     pub(super) fn choose(&mut self, eye: &EyeView, sky: &Sky, target: Viewport) {
+        if let Err(error) = eye.check()
+            && !std::mem::replace(&mut self.is_unseen, true)
+        {
+            tracing::warn!("the Earth is not drawn: {error}");
+        }
         let seen = eye.in_itrf(target).zip(sky.with_unit_sun());
         self.drawn = seen
             .as_ref()

@@ -6,6 +6,29 @@ use glam::DVec2;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4};
 use terrella_frames::Ellipsoid;
 
+/// A view that cannot be drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ViewError {
+    /// Numbers out of range.
+    #[error("the view has a number that is not finite, or its eye is beyond 1e24 m")]
+    NotFinite,
+    /// Another projection, such as an orthographic one.
+    #[error(
+        "clip_from_view is no perspective projection: the rows of x and y may scale and shift, and that of w must be 0, 0, -1, 0"
+    )]
+    Projection,
+    /// A projection that mirrors.
+    #[error(
+        "clip_from_view mirrors the image: its scales of x and y must be positive; mirror the finished image instead"
+    )]
+    Mirrored,
+    /// A world that is distorted or mirrored.
+    #[error(
+        "itrf_from_world must be a rotation with one scale and no mirror; a left-handed program negates one axis of its positions first"
+    )]
+    World,
+}
+
 /// The eye's position and view, in the host's world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EyeView {
@@ -13,7 +36,7 @@ pub struct EyeView {
     pub eye_world: DVec3,
     /// Rotation from world axes to view axes: x right, y up, −z forward.
     pub view_from_world: DQuat,
-    /// The host's projection from view space (host's unit) to wgpu clip space, z in 0…1.
+    /// The host's perspective projection from view space (host's unit) to wgpu clip space, z in 0…1; off-centre too, reversed or not.
     pub clip_from_view: DMat4,
     /// Transform from the host's world to ITRF metres: a rotation, a uniform scale and a translation.
     pub itrf_from_world: DAffine3,
@@ -43,6 +66,42 @@ impl EyeView {
     /// Near plane of [`Self::itrf`], metres.
     pub const NEAR_M: f64 = 0.1;
 
+    /// Whether the view can be drawn: [`Earth::prepare`](crate::Earth::prepare) draws nothing of one that cannot.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn check(&self) -> Result<(), ViewError> {
+        let (p, world) = (&self.clip_from_view, &self.itrf_from_world);
+        let is_finite = self.eye_world.is_finite()
+            && self.view_from_world.is_finite()
+            && p.is_finite()
+            && world.is_finite();
+        if !is_finite || world.transform_point3(self.eye_world).length() >= FARTHEST_M {
+            return Err(ViewError::NotFinite);
+        }
+        let zeros = [p.x_axis.y, p.x_axis.w, p.y_axis.x, p.y_axis.w]
+            .into_iter()
+            .chain([p.z_axis.w + 1.0, p.w_axis.x, p.w_axis.y, p.w_axis.w]);
+        if zeros.into_iter().any(|zero| zero.abs() > 1e-6) || p.determinant() == 0.0 {
+            return Err(ViewError::Projection);
+        }
+        if p.x_axis.x < 0.0 || p.y_axis.y < 0.0 {
+            return Err(ViewError::Mirrored);
+        }
+        let axes = world.matrix3;
+        let scale = axes.x_axis.length();
+        let skew = axes.transpose() * axes - DMat3::from_diagonal(DVec3::splat(scale * scale));
+        let is_skew = skew
+            .abs()
+            .to_cols_array()
+            .iter()
+            .any(|part| *part > 1e-3 * scale * scale);
+        match is_skew || axes.determinant() <= 0.0 {
+            true => Err(ViewError::World),
+            false => Ok(()),
+        }
+    }
+
     /// The eye in ITRF metres, and the matrix from eye-relative ITRF metres to clip space.
     pub fn to_itrf(&self) -> (DVec3, DMat4) {
         let eye_itrf_m = self.itrf_from_world.transform_point3(self.eye_world);
@@ -54,8 +113,7 @@ impl EyeView {
         )
     }
 
-    /// The view as it is drawn to a target. `None` if it has no image: the view is not finite, the projection has no inverse, or the eye is beyond
-    /// 1e24 m.
+    /// The view as it is drawn to a target. `None` if it has no image.
     pub(crate) fn in_itrf(&self, target: Viewport) -> Option<ItrfView> {
         let (eye_itrf_m, clip_from_eye) = self.to_itrf();
         let rays = self.pixel_rays(target);
@@ -74,7 +132,7 @@ impl EyeView {
                 down: rays.down * height,
             },
         };
-        view.can_be_drawn().then_some(view)
+        (self.check().is_ok() && view.can_be_drawn()).then_some(view)
     }
 
     /// The rays of a target's pixels, ITRF axes.

@@ -1,9 +1,9 @@
 //! The image compared with the exact ray: right place, right way up, no seams, no holes, halo joined to limb.
 
 use crate::common::{Rig, day_only, down, looks_at, map, plain, ray, tilted};
-use glam::DVec3;
+use glam::{DMat4, DVec3, DVec4};
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::{Atmosphere, EarthOptions, EyeView, Shading, Visibility};
+use terrella::{Atmosphere, EarthOptions, EyeView, Shading, ViewError, Visibility};
 use terrella_imagery::{EarthLayers, LayerImage};
 
 const SIZE: (u32, u32) = (320, 180);
@@ -344,4 +344,60 @@ fn strange_eyes_give_a_defined_picture() {
     let (sky, _) = rig.draw(&view, DVec3::X);
     let p = sky.get_pixel(32, 10).0;
     assert!(p[2] > 60 && p[2] > p[0], "a daytime sky is blue: {p:?}");
+}
+
+#[test]
+fn views_that_cannot_be_drawn_are_named_and_not_drawn() {
+    let mut rig = Rig::new(&EarthOptions::new(plain([120; 3])), (32, 32));
+    let good = down(Geodetic::from_degrees(0.0, 0.0, 2e7), 30.0, 1.0);
+    let project = |change: DMat4| EyeView {
+        clip_from_view: change * good.clip_from_view,
+        ..good
+    };
+    let world = |scale: DVec3| EyeView {
+        itrf_from_world: glam::DAffine3::from_scale(scale),
+        ..good
+    };
+    let orthographic = EyeView {
+        clip_from_view: DMat4::from_diagonal(DVec4::new(1e-7, 1e-7, 1e-8, 1.0)),
+        ..good
+    };
+    let nowhere = EyeView {
+        eye_world: DVec3::NAN,
+        ..good
+    };
+    for (view, wrong) in [
+        (orthographic, ViewError::Projection),
+        (project(DMat4::ZERO), ViewError::Projection),
+        (
+            project(DMat4::from_scale(DVec3::new(1.0, -1.0, 1.0))),
+            ViewError::Mirrored,
+        ),
+        (world(DVec3::new(1.0, 1.0, -1.0)), ViewError::World),
+        (world(DVec3::new(1.0, 1.1, 1.0)), ViewError::World),
+        (nowhere, ViewError::NotFinite),
+    ] {
+        assert_eq!(view.check(), Err(wrong));
+        let (picture, stats) = rig.draw(&view, DVec3::X);
+        assert!(picture.pixels().all(|p| p.0[..3] == [0; 3]), "{wrong}");
+        assert_eq!((stats.blocks_drawn, stats.draw_calls), (0, 0), "{wrong}");
+    }
+    // An off-centre image, and a world in kilometres whose rotation is that of single precision.
+    let mut off_centre = good;
+    off_centre.clip_from_view.z_axis.x = 0.3;
+    let turn = glam::Quat::from_rotation_z(0.3).as_dquat();
+    let turned = EyeView {
+        eye_world: turn.inverse() * good.eye_world / 1000.0,
+        view_from_world: good.view_from_world * turn,
+        itrf_from_world: glam::DAffine3::from_scale_rotation_translation(
+            DVec3::splat(1000.0),
+            turn,
+            DVec3::ZERO,
+        ),
+        ..good
+    };
+    for view in [good, off_centre, turned] {
+        assert_eq!(view.check(), Ok(()));
+        assert!(rig.draw(&view, DVec3::X).1.blocks_drawn > 0);
+    }
 }
