@@ -268,7 +268,7 @@ impl EarthOptions {
             let Some(image) = self.layers.get(layer) else {
                 continue;
             };
-            match self.uploaded.fitting(layer, image, self.shading) {
+            match self.uploaded.fitting(layer, image, (device, self.shading)) {
                 Some(uploaded) => {
                     uploaded?;
                     continue;

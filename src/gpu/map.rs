@@ -73,6 +73,8 @@ pub struct GpuMap {
     pub(crate) kinds: Option<Arc<MapGroundKinds>>,
     /// The shading that its texels were uploaded for; `None` for a texture.
     pub(crate) shading: Option<Shading>,
+    /// The device that they were uploaded to; `None` for a texture.
+    pub(crate) device: Option<wgpu::Device>,
 }
 
 impl GpuMap {
@@ -93,15 +95,15 @@ impl GpuMap {
         check_size(device, layer, image)?;
         let held = GpuLayer::upload(device, queue, &label(layer), image, is_stored(shading));
         let summary = MapSummary::of(layer, image);
-        Ok(Self::of_summary(layer, held, summary, shading))
+        Ok(Self::of_summary(layer, held, summary, (device, shading)))
     }
 
-    /// A map whose texels were uploaded for a shading.
+    /// A map whose texels were uploaded to a device for a shading.
     pub(super) fn of_summary(
         layer: MapLayer,
         held: GpuLayer,
         summary: MapSummary,
-        shading: Shading,
+        (device, shading): (&wgpu::Device, Shading),
     ) -> Self {
         Self {
             layer,
@@ -109,6 +111,7 @@ impl GpuMap {
             albedo: summary.albedo.map(Arc::new),
             kinds: summary.kinds.map(Arc::new),
             shading: Some(shading),
+            device: Some(device.clone()),
         }
     }
 
@@ -158,6 +161,7 @@ impl GpuMap {
                 albedo: None,
                 kinds: None,
                 shading: None,
+                device: None,
             });
         };
         Err(unfit(layer, what))
@@ -171,6 +175,7 @@ impl GpuMap {
             albedo: None,
             kinds: None,
             shading: None,
+            device: None,
         }
     }
 

@@ -40,12 +40,12 @@ impl UploadedMaps {
         Arc::strong_count(&self.0) > 1
     }
 
-    /// The uploaded map that replaces one without texels, for a shading.
+    /// The uploaded map that replaces one without texels, for a device and a shading.
     pub(crate) fn fitting(
         &self,
         layer: MapLayer,
         map: &LayerImage,
-        shading: Shading,
+        (device, shading): (&wgpu::Device, Shading),
     ) -> Option<Result<&GpuMap, MapError>> {
         let uploaded = self.get(layer).filter(|_| !map.has_texels())?;
         let (width, height) = uploaded.size();
@@ -54,6 +54,8 @@ impl UploadedMaps {
                 "it is {width} × {height} on the GPU and {} × {} by its description; upload it again",
                 map.width, map.height
             )
+        } else if uploaded.device.as_ref().is_some_and(|of| of != device) {
+            "it is on another device; load it again and upload it to this one".to_owned()
         } else if uploaded
             .shading
             .is_some_and(|of| is_stored(of) != is_stored(shading))
@@ -175,7 +177,7 @@ impl MapRows for Rows {
                 self.layer,
                 held,
                 summary,
-                uploads.shading,
+                (&uploads.device, uploads.shading),
             ));
         }
     }

@@ -138,6 +138,13 @@ fn a_description_that_no_uploaded_map_fits_is_an_error() {
     let mut other = uploaded.clone();
     other.shading = Shading::Paper;
     unfit(&other, "another shading");
+    // Of the same adapter: devices of two instances of wgpu cannot be told apart.
+    let adapter = &gpu.adapter;
+    let elsewhere = pollster::block_on(adapter.request_device(&Default::default()));
+    let (device, queue) = elsewhere.expect("a second device");
+    let mut other = EarthOptions::new(layers());
+    other.upload(&device, &queue).expect("sound maps");
+    unfit(&other, "another device");
     let mut other = uploaded.clone();
     other.layers.day.width /= 2;
     unfit(&other, "128 × 64");
