@@ -130,7 +130,14 @@ impl AirTables {
         MADE.get(options, || {
             let is_default = *options == AirOptions::default();
             let shipped = is_default.then(shipped::default_tables).flatten();
-            shipped.unwrap_or_else(|| Self::compute(options))
+            shipped.unwrap_or_else(|| {
+                if is_default {
+                    tracing::warn!(
+                        "the air's tables are computed: the feature `tables` compiles them in"
+                    );
+                }
+                Self::compute(options)
+            })
         })
     }
 
