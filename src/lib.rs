@@ -3,6 +3,35 @@
 //! The library is a wgpu component. The host owns device, queue, pass and depth buffer, and calls three verbs:
 //! [`Earth::new`] (in a web page [`Earth::create`]), [`Earth::prepare`] and [`Earth::render`]; `examples/minimal.rs` is a whole host.
 //!
+//! ```
+//! use terrella::frames::Epoch;
+//! use terrella::{Earth, EarthOptions, EyeView, FrameRequest, LayerSelection, Sky};
+//! use terrella::{find_textures, glam::DVec3, load_layers, wgpu};
+//!
+//! /// Once: reads the starter maps, uploads them and compiles pipelines.
+//! fn create(
+//!     device: &wgpu::Device,
+//!     queue: &wgpu::Queue,
+//! ) -> Result<Earth, Box<dyn std::error::Error>> {
+//!     let layers = load_layers(&find_textures()?, LayerSelection::default())?;
+//!     Ok(Earth::new(device, queue, &EarthOptions::new(layers))?)
+//! }
+//!
+//! /// Each frame: the Earth from 12 000 km above the equator, drawn into the host's pass.
+//! fn draw(
+//!     earth: &mut Earth,
+//!     queue: &wgpu::Queue,
+//!     pass: &mut wgpu::RenderPass<'_>,
+//!     size: (u32, u32),
+//! ) {
+//!     let aspect = f64::from(size.0) / f64::from(size.1);
+//!     let view = EyeView::itrf(DVec3::X * 1.8e7, DVec3::NEG_X, DVec3::Z, 0.9, aspect);
+//!     let sky = Sky::at(Epoch::from_gregorian_utc(2018, 6, 21, 9, 0, 0, 0));
+//!     earth.prepare(queue, FrameRequest::new(&view, &sky, size));
+//!     earth.render(pass);
+//! }
+//! ```
+//!
 //! ```text
 //!  EyeView, Sky ──► Earth::prepare ─────────────────────────────► FrameStats
 //!  (your camera,         │
@@ -26,10 +55,19 @@
 //! | [`MapUploader`], [`UploadedMaps`] | maps that are uploaded while they are read, and shared by several Earths |
 //! | [`GpuMap`], [`MapFade`] | maps that change while the Earth is drawn, the host's own textures among them |
 //! | [`Quality`], [`ScaledTarget`] | quality that changes while the Earth is drawn; rendering at a lower resolution |
-//! | [`GroundOptions`], [`SurfaceSettings`] | terrain, and the surface that draws it |
+//! | [`GroundOptions`], `SurfaceSettings` | terrain, and the surface that draws it |
 //! | [`TileOptions`] | imagery larger than memory, streamed |
-//! | [`OffscreenEarth`] | an Earth that owns its device and renders into memory, for programs without wgpu |
+//! | `OffscreenEarth` | an Earth that owns its device and renders into memory, for programs without wgpu |
 //! | `orbit::Feed` | where a satellite is, for `tracks::Tracks` and for your camera |
+//!
+//! # Features
+//!
+//! A host pays only for what it draws. By default this crate is the Earth and its air from the starter maps (`maps`), as whole maps in memory, on
+//! all backends of wgpu. `tables` compiles in the tables of the default air; without it each start computes them, for half a second, in a debug
+//! build for 40. `packs`, `terrain`, `tracks`, `celestial` and `offscreen` add the parts of these names, and `serde` reads and writes
+//! [`SurfaceLight`]. Without `terrain`, [`GroundOptions`] has no value, and without `tiles`, [`TileOptions`] has none; the compiler drops all code
+//! that would use one. With `default-features = false` the host chooses wgpu's backends, by the features `vulkan`, `gles`, `metal` and `dx12`, in a
+//! web page `webgpu` and `webgl`, or by its own dependency on wgpu, which is re-exported as [`wgpu`].
 //!
 //! # Crates and modules
 //!
@@ -87,14 +125,6 @@
 //! | `cli` | arguments, progress, exit codes | mathematics |
 //!
 //! `docs/architecture.md` explains how each part works and why, and where to change what; `docs/glossary.md` explains the project's terms.
-//!
-//! # Features
-//!
-//! A host pays only for what it draws. By default this crate is the Earth and its air from the starter maps (`maps`), as whole maps in memory, on
-//! all backends of wgpu. `packs`, `terrain`, `tracks`, `celestial` and `offscreen` add the parts of these names, and `serde` reads and writes
-//! [`SurfaceLight`]. Without `terrain`, [`GroundOptions`] has no value, and without `tiles`, [`TileOptions`] has none; the compiler drops all code
-//! that would use one. With `default-features = false` the host chooses wgpu's backends, by the features `vulkan`, `gles`, `metal` and `dx12`, in a
-//! web page `webgpu` and `webgl`, or by its own dependency on wgpu, which is re-exported as [`wgpu`].
 
 // docs.rs shows the required feature of each item.
 #![cfg_attr(docsrs, feature(doc_cfg))]

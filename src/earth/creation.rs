@@ -25,6 +25,10 @@ static EARTHS: AtomicU64 = AtomicU64::new(0);
 impl Earth {
     /// Makes pipelines and uploads the maps that [`EarthOptions::upload`] has not uploaded. It submits large maps to `queue` in parts and waits for
     /// them, so that few copies are in memory at once. A web page, which cannot wait, calls [`Self::create`] instead.
+    ///
+    /// # Errors
+    /// Options out of their range or that exclude each other, a map that does not fit its description or the device, not enough memory, or what the
+    /// device rejects: a colour format that it cannot render and blend, or a number of samples that it lacks.
     #[cfg(not(target_family = "wasm"))]
     pub fn new(
         device: &wgpu::Device,
