@@ -182,6 +182,19 @@ pub struct CelestialMoment<'m> {
     pub velocity_m_s: Option<DVec3>,
 }
 
+impl<'m> CelestialMoment<'m> {
+    /// For an eye at rest, and the Earth's orientation without measured corrections.
+    pub fn new(epoch: Epoch, view: &'m EyeView, target: impl Into<Viewport>) -> Self {
+        Self {
+            epoch,
+            orientation: Orientation::default(),
+            view,
+            target: target.into(),
+            velocity_m_s: None,
+        }
+    }
+}
+
 impl CelestialMoment<'_> {
     /// The observer of this time, with the eye's position and velocity.
     pub fn observer(&self) -> Observer {

@@ -65,6 +65,7 @@ mod footprint;
 mod ink;
 mod limits;
 mod lines;
+mod moment;
 mod moon_shadow;
 mod place_names;
 mod places;
@@ -79,7 +80,7 @@ mod turn;
 mod twilight;
 mod vector_map;
 
-use crate::earth::{Earth, EarthView, EyeView, Viewport};
+use crate::earth::{Earth, EarthView};
 use crate::gpu::{AirTextures, DepthBuffer, Development, PassFormat, ShaderError};
 use crate::gpu::{DrawnTracks, TrackKinds, TrackUniforms, TracksDrawable};
 use crate::plan::AirSide;
@@ -90,6 +91,7 @@ pub use footprint::{
 };
 use glam::DVec3;
 pub use lines::{LineStyle, MAX_LINE_POINTS, Polylines};
+pub use moment::TrackMoment;
 use moon_shadow::InkedShadow;
 pub use moon_shadow::{SHADOW_POINTS, ShadowPart, shadow_outline};
 pub use place_names::{NamedPlace, PlaceNamesError, read_place_names};
@@ -103,7 +105,7 @@ use stations::InkedStation;
 pub use stations::{CIRCLE_POINTS, MAX_STATIONS, Station};
 use still::InkedLines;
 pub use style::{Footprint, TrackSpan, TrackStyle};
-use terrella_frames::{Ellipsoid, Epoch, MoonShadow, Orientation};
+use terrella_frames::{Ellipsoid, MoonShadow};
 use terrella_ground::air::TOP;
 use terrella_ground::light::{Grade, Tone};
 use terrella_orbit::Feed;
@@ -154,21 +156,6 @@ impl TracksOptions {
             air: earth.air_textures().cloned(),
         }
     }
-}
-
-/// Time, eye and orientation of a frame.
-#[derive(Clone, Copy, Debug)]
-pub struct TrackMoment<'m> {
-    /// The epoch that the frame shows.
-    pub epoch: Epoch,
-    /// The Earth's present orientation, which transforms states to Earth-fixed axes.
-    pub orientation: Orientation,
-    /// Orientation and rotation rate of the Earth if they differ from those of the epoch: in a simulation with its own.
-    pub turn: Option<EarthTurn>,
-    /// The view from the eye.
-    pub view: &'m EyeView,
-    /// The part of the target that the pass draws to.
-    pub target: Viewport,
 }
 
 /// Statistics of a frame's tracks.

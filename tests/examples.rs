@@ -7,6 +7,9 @@ mod embed;
 #[path = "../examples/minimal.rs"]
 mod minimal;
 #[allow(dead_code)]
+#[path = "../examples/orbit.rs"]
+mod orbit;
+#[allow(dead_code)]
 #[path = "../examples/views.rs"]
 mod views;
 
@@ -57,4 +60,18 @@ fn four_views_of_one_earth_are_drawn_side_by_side() {
     for (x, y, name) in [(0, 0, "station"), (1, 0, "disc"), (1, 1, "limb")] {
         assert!((0.15..0.95).contains(&lit(x, y)), "{name} {}", lit(x, y));
     }
+}
+
+#[test]
+fn a_satellite_flies_before_the_stars() {
+    let rgba = pollster::block_on(orbit::draw()).expect("a picture");
+    let (width, height) = orbit::SIZE;
+    let picture = RgbaImage::from_raw(width, height, rgba).expect("of that size");
+    // The trail's colour, over the ground and beyond it.
+    let is_trail = |p: &image::Rgba<u8>| p[0] > 220 && (150..240).contains(&p[1]) && p[2] < 110;
+    let trail = picture.pixels().filter(|pixel| is_trail(pixel)).count();
+    let corner = (0..height / 8).flat_map(|y| (0..width / 8).map(move |x| (x, y)));
+    let stars = corner.filter(|(x, y)| picture.get_pixel(*x, *y)[2] > 12);
+    println!("{trail} pixels of the trail");
+    assert!(trail > 200 && stars.count() > 2, "{trail}");
 }
