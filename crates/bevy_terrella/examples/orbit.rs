@@ -1,4 +1,4 @@
-//! The space station's orbit over the Earth at dusk, in front of the stars. It needs the features `celestial` and
+//! The space station's orbit over Europe by night, in front of the stars. It needs the features `celestial` and
 //! `tracks`.
 //!
 //! ```sh
@@ -44,7 +44,7 @@ fn spawn(mut commands: Commands) -> Result {
         Earth::default(),
         EarthCelestial::default(),
         EarthFrame::local(Geodetic::from_degrees(48.0, 12.0, 7_000_000.0)),
-        EarthEpoch(Epoch::from_gregorian_utc(2018, 1, 21, 3, 40, 0, 0)),
+        EarthEpoch(Epoch::from_gregorian_utc(2018, 1, 20, 23, 20, 0, 0)),
         EarthClock { rate: 60.0 },
     ));
     let catalogue = Catalogue::from_text(ELEMENTS, Path::new("iss.tle"), false)?;
@@ -62,7 +62,7 @@ fn spawn(mut commands: Commands) -> Result {
     commands.spawn(EarthLines::new(lines));
     commands.spawn((
         EarthCamera::default(),
-        Transform::default().looking_to(Vec3::new(0.25, -1.0, -0.45), Vec3::NEG_Z),
+        Transform::default().looking_to(Vec3::new(0.1, -1.0, 0.05), Vec3::NEG_Z),
     ));
     Ok(())
 }
