@@ -178,7 +178,14 @@ fn filled(template: &str, libraries: &str, list: &str) -> String {
 
 /// The Python that builds the wheel.
 fn python() -> OsString {
-    std::env::var_os("TERRELLA_PYTHON").unwrap_or_else(|| "python3".into())
+    let Some(chosen) = std::env::var_os("TERRELLA_PYTHON") else {
+        return "python3".into();
+    };
+    // Build scripts, which start it too, run in other folders. Links stay: a virtual environment is one.
+    match Path::new(&chosen).components().count() > 1 {
+        true => std::path::absolute(&chosen).map_or(chosen, PathBuf::into_os_string),
+        false => chosen,
+    }
 }
 
 /// Fails if the packages that build the wheel are missing, and explains how to install them.
