@@ -7,6 +7,7 @@ use glam::DVec3;
 use std::f64::consts::PI;
 use terrella_frames::Ellipsoid;
 use terrella_ground::light::{VIEW_RAYS, view_rays};
+use terrella_ground::smooth_step;
 
 /// Fraction of the image that must be in daylight for full effect.
 const ENOUGH: f64 = 0.04;
@@ -100,12 +101,6 @@ fn disc_in_sight(view: &ItrfView, sun_itrf: DVec3, ellipsoid: &Ellipsoid) -> f64
     let part_of_picture = 0.25 * PI * across.0 * down.0 * across.1 * down.1;
     let lit = 0.5 * (1.0 + eye.normalize_or_zero().dot(sun_itrf));
     is_far * (lit * part_of_picture / ENOUGH_OF_DISC).min(1.0)
-}
-
-/// 0 up to `from`, 1 from `to` on, and smooth in between.
-fn smooth_step([from, to]: [f64; 2], value: f64) -> f64 {
-    let t = ((value - from) / (to - from)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }
 
 /// Whether no ray from this eye meets sunlit ground or passes sunlit air: the point of a ray nearest to the ground never lies beyond the limb.

@@ -3,6 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use std::ops::RangeInclusive;
 use terrella_ground::air::THICKNESS_M;
+use terrella_ground::smooth_step;
 use terrella_imagery::SLOPE_EXAGGERATION;
 
 /// Options of the light on the surface, with [`terrella_ground::globe::Shading::Sunlit`]. Options that belong to a map have no effect if the Earth
@@ -263,9 +264,8 @@ impl SurfaceLight {
     /// their height, as they have no thickness to fly through.
     pub(crate) fn clouds_before(&self, eye_height_m: f64) -> f64 {
         let within_m = CLOUD_FADE_M.min(0.1 * self.cloud_height_m);
-        let x = 0.5 + 0.5 * (eye_height_m - self.cloud_height_m) / within_m;
-        let x = x.clamp(0.0, 1.0);
-        x * x * (3.0 - 2.0 * x)
+        let fade_m = [-within_m, within_m].map(|by_m| self.cloud_height_m + by_m);
+        smooth_step(fade_m, eye_height_m)
     }
 
     /// Fraction of the clouds that is drawn above the edge of the ground for an eye at this height: 0 in the air, 1 from one and a half times its
@@ -277,8 +277,7 @@ impl SurfaceLight {
         if self.cloud_height_m < LEAST_AT_LIMB_PX * pixel_rad * to_limb_m {
             return 0.0;
         }
-        let x = (2.0 * (eye_height_m / THICKNESS_M - 1.0)).clamp(0.0, 1.0);
-        x * x * (3.0 - 2.0 * x)
+        smooth_step([THICKNESS_M, 1.5 * THICKNESS_M], eye_height_m)
     }
 
     /// Its uniforms.

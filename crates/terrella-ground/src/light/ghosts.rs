@@ -1,5 +1,6 @@
 //! Lens ghosts: images of the Sun after two reflections inside the lens.
 
+use crate::smooth_step;
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
@@ -50,9 +51,7 @@ impl Ghosts {
     /// Remaining strength of the ghosts for a distance of the Sun from the image centre, in half diagonals. Outside the image the lens barrel
     /// shades the Sun.
     pub fn seen(distance: f64) -> f64 {
-        let [inside, outside] = [1.0, 1.4];
-        let t = ((outside - distance) / (outside - inside)).clamp(0.0, 1.0);
-        t * t * (3.0 - 2.0 * t)
+        smooth_step([1.4, 1.0], distance)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::FEATHER_SAMPLES;
 use super::georeference::SampleLattice;
+use crate::smooth_step;
 
 /// Samples, and how the weight of their heights falls towards their border.
 #[derive(Clone, Copy, Debug)]
@@ -9,13 +10,6 @@ pub(in crate::elevation) struct Feather {
     pub lattice: SampleLattice,
     /// Increase of the weight per row and per column inwards, before smoothing.
     pub ramps: (f64, f64),
-}
-
-/// Smooth step from 0 to 1 with zero slope at both ends.
-#[inline]
-pub fn smooth(part: f64) -> f64 {
-    let part = part.clamp(0.0, 1.0);
-    part * part * (3.0 - 2.0 * part)
 }
 
 impl Feather {
@@ -46,7 +40,8 @@ impl Feather {
             return 1.0;
         }
         let margin = self.lattice.margin();
-        let ramp = |from_border: f64, per_sample: f64| smooth(from_border * per_sample);
+        let ramp =
+            |from_border: f64, per_sample: f64| smooth_step([0.0, 1.0], from_border * per_sample);
         let mut weight = 1.0;
         if !is_periodic {
             let west = column + margin;

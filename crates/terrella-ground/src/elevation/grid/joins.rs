@@ -9,10 +9,11 @@
 //! with s smooth from 0 to 1. On a border without a neighbour, d is the distance to the border. Joined grids have the same feather
 //! width, so that weights continue from one to the other.
 
-use super::feather::{Feather, smooth};
+use super::feather::Feather;
 use super::outside::{EAST, NORTH, Outside, SOUTH, TOUCH, WEST};
 use super::placement::Placement;
 use crate::elevation::{Bounds, PlacedBounds};
+use crate::smooth_step;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Spacings within this factor are similar. Otherwise the finer grid blends into the coarser one.
@@ -289,7 +290,7 @@ impl Joined {
                 *axis = axis.min(distance);
             }
         }
-        smooth(nearest[0]) * smooth(nearest[1])
+        smooth_step([0.0, 1.0], nearest[0]) * smooth_step([0.0, 1.0], nearest[1])
     }
 }
 

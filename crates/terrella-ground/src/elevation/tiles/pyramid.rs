@@ -16,6 +16,7 @@ use super::held::HeldTile;
 use super::{HeightTileKey, HeightTileLayout, HeightTileSource, Wants};
 use crate::elevation::floor::floor;
 use crate::elevation::{Bounds, HeightGrid, HeightRange};
+use crate::smooth_step;
 use std::cell::Cell;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
@@ -326,8 +327,7 @@ impl TilePyramid {
                 self.want_beside(node.key, (east, south), is_any);
             }
         }
-        let part = (least / FEATHER).min(1.0);
-        part * part * (3.0 - 2.0 * part)
+        smooth_step([0.0, FEATHER], least)
     }
 
     /// Records a request for a tile's neighbour. If the neighbour's parent is missing too, it is a neighbour of this tile's
