@@ -208,53 +208,39 @@ impl EarthVariant {
 
     /// The variant of this variant's clouds in the sky, seen from below; `None` if there are no clouds or the eye cannot be below them.
     pub fn clouds_overhead(self, eclipse: bool) -> Option<Self> {
-        match self.output {
-            EarthOutput::Picture(ShadingVariant::Sunlit(layers), target)
-                if layers.clouds && layers.air != Some(AirSide::Outside) =>
-            {
-                let shown = LightEffects::of(&[LightEffect::Detail, LightEffect::Moonlight]);
-                let layers = SunlitLayers {
-                    clouds: true,
-                    effects: layers.effects.and(shown),
-                    eclipse,
-                    air: layers.air,
-                    ..SunlitLayers::default()
-                };
-                Some(Self {
-                    form: VertexForm::Sky,
-                    output: EarthOutput::Picture(ShadingVariant::Sunlit(layers), target),
-                    ..self
-                })
-            }
-            _ => None,
-        }
+        let effects = [LightEffect::Detail, LightEffect::Moonlight];
+        self.clouds_beside_ground(VertexForm::Sky, AirSide::Outside, &effects)?
+            .with_sunlit(|layers| Some(SunlitLayers { eclipse, ..layers }))
     }
 
     /// The variant of this variant's clouds above the edge of the ground; `None` if there are no clouds or the eye is in the air.
     pub fn clouds_at_limb(self) -> Option<Self> {
-        match self.output {
-            EarthOutput::Picture(ShadingVariant::Sunlit(layers), target)
-                if layers.clouds && layers.air != Some(AirSide::Inside) =>
-            {
-                let shown = [
-                    LightEffect::Detail,
-                    LightEffect::DirectionalReflectance,
-                    LightEffect::Moonlight,
-                ];
-                let layers = SunlitLayers {
-                    clouds: true,
-                    effects: layers.effects.and(LightEffects::of(&shown)),
-                    air: layers.air,
-                    ..SunlitLayers::default()
-                };
-                Some(Self {
-                    form: VertexForm::Limb,
-                    output: EarthOutput::Picture(ShadingVariant::Sunlit(layers), target),
-                    ..self
-                })
-            }
-            _ => None,
-        }
+        let effects = [
+            LightEffect::Detail,
+            LightEffect::DirectionalReflectance,
+            LightEffect::Moonlight,
+        ];
+        self.clouds_beside_ground(VertexForm::Limb, AirSide::Inside, &effects)
+    }
+
+    /// The variant of this variant's clouds alone, without an eclipse, with those of these effects that it has; `None` if there are no clouds or
+    /// the eye is where they are not seen.
+    fn clouds_beside_ground(
+        self,
+        form: VertexForm,
+        unseen_from: AirSide,
+        effects: &[LightEffect],
+    ) -> Option<Self> {
+        let clouds = self.with_sunlit(|layers| {
+            let is_seen = layers.clouds && layers.air != Some(unseen_from);
+            is_seen.then_some(SunlitLayers {
+                clouds: true,
+                effects: layers.effects.and(LightEffects::of(effects)),
+                air: layers.air,
+                ..SunlitLayers::default()
+            })
+        });
+        clouds.map(|clouds| Self { form, ..clouds })
     }
 
     /// The variant of ground under points of light; `None` if there are none over this variant.
