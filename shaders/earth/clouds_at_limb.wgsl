@@ -10,11 +10,6 @@ struct Varying {
     @builtin(position) clip: vec4f,
 }
 
-// (1 + h)² − 1 without cancellation.
-fn layer_top() -> f32 {
-    return surface_light.cloud_height * (2.0 + surface_light.cloud_height);
-}
-
 // A ring of quads of two triangles, from the edge of the ground to that of the layer. At the farthest depth: everything in front of the sky hides it.
 @vertex
 fn vertex(@builtin(vertex_index) index: u32) -> Varying {
@@ -28,7 +23,7 @@ fn vertex(@builtin(vertex_index) index: u32) -> Varying {
     let other = cross(away, across);
     // Tangents of the angles from the centre at which the ground and the layer end. Chords between the outer corners pass outside of the layer.
     let ground = inverseSqrt(frame.above);
-    let layer = sqrt((1.0 + layer_top()) / (frame.above - layer_top())) / cos(PI / f32(LIMB_SEGMENTS));
+    let layer = sqrt((1.0 + clouds_above()) / (frame.above - clouds_above())) / cos(PI / f32(LIMB_SEGMENTS));
     let direction = -away + select(ground, layer, is_outer) * (cos(turn) * across + sin(turn) * other);
     let ray = frame.radius_m * direction * vec3f(1.0, 1.0, 1.0 / frame.polar_stretch);
     let clip = frame.clip_from_eye * vec4f(ray, 1.0);
@@ -44,7 +39,7 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     // Square of the ray's least distance from the centre, less 1.
     let nearest = length(cross(frame.eye_scaled, direction));
     let lowest = (nearest - 1.0) * (nearest + 1.0);
-    let top = layer_top();
+    let top = clouds_above();
     let distance = -dot(frame.eye_scaled, direction) - sqrt(max(top - lowest, 0.0));
     let up = normalize((frame.eye_scaled + distance * direction) * stretch);
 

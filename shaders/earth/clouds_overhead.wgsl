@@ -32,9 +32,8 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     let stretched = ray * stretch;
     let direction = normalize(stretched);
     let rise = dot(frame.eye_scaled, direction);
-    // (1 + h)² − L² without cancellation.
-    let top = surface_light.cloud_height * (2.0 + surface_light.cloud_height);
-    let between = max(top - frame.above, 0.0);
+    // (1 + h)² − L².
+    let between = max(clouds_above() - frame.above, 0.0);
     let meets_ground = rise < 0.0 && rise * rise >= frame.above;
     let root = sqrt(rise * rise + between);
     let distance = select(root - rise, between / max(root + rise, 1e-9), rise > 0.0);

@@ -28,6 +28,11 @@ fn scaled_thickness(albedo: f32) -> f32 {
     return 1.85 * x;
 }
 
+// How far the layer is above the ground, as `frame.above` for the eye: (1 + h)² − 1 without cancellation.
+fn clouds_above() -> f32 {
+    return surface_light.cloud_height * (2.0 + surface_light.cloud_height);
+}
+
 // The clouds in front of a place on the ground.
 struct CloudsBefore {
     cover: f32,
