@@ -10,6 +10,7 @@ use super::sky::LIGHTS_OUT;
 use super::tile_view::TileView;
 use super::view::ItrfView;
 use super::{Appearance, EarthError, EarthOptions, FrameStats, Quality, Sky};
+use crate::gpu::SurfaceOutput;
 use crate::plan::{
     AirPlan, AirSide, AuroraUniforms, CellLight, CellLights, DeviceLimits, DrawLight, FramePlan,
     FrameUniforms, MoonShadowUniforms, SurfaceLight, draw_blocks, interpolated_cells,
@@ -40,7 +41,7 @@ pub(super) struct Planner {
     tone: Tone,
     grade: Grade,
     air: AirOptions,
-    /// Whether there are clouds under physical light, and whether they are drawn.
+    /// Whether there are clouds under physical light in an image, and whether they are drawn.
     has_clouds: bool,
     shows_clouds: bool,
     /// Light of the cells, created on first use.
@@ -64,7 +65,9 @@ impl Planner {
     ) -> Result<Self, EarthError> {
         let ellipsoid = options.figure.ellipsoid();
         let has_tiles = options.tiles.is_some();
-        let has_clouds = options.layers.clouds.is_some() && options.shading == Shading::Sunlit;
+        let has_clouds = options.layers.clouds.is_some()
+            && options.shading == Shading::Sunlit
+            && options.diagnostics.output == SurfaceOutput::Color;
         let ground = options.ground.as_ref();
         let ground = ground.map(|g| GroundDriver::new(g, options.figure, limits));
         Ok(Self {
