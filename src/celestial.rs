@@ -193,9 +193,7 @@ impl<'m> CelestialMoment<'m> {
             velocity_m_s: None,
         }
     }
-}
 
-impl CelestialMoment<'_> {
     /// The observer of this time, with the eye's position and velocity.
     pub fn observer(&self) -> Observer {
         let (eye, _) = self.view.to_itrf();
@@ -366,9 +364,9 @@ impl Celestial {
         moment: &CelestialMoment<'_>,
     ) -> CelestialStats {
         let view = moment.view.in_itrf(moment.target);
-        self.is_shown = view.is_some();
+        self.is_shown = view.is_ok();
         self.points.clear();
-        let Some(view) = view else {
+        let Ok(view) = view else {
             return CelestialStats::default();
         };
         let ellipsoid = earth.ellipsoid();

@@ -408,7 +408,7 @@ impl Tracks {
         feeds: impl IntoIterator<Item = &'f dyn Feed>,
         budget: usize,
     ) -> TrackStats {
-        let view = moment.view.in_itrf(moment.target);
+        let view = moment.view.in_itrf(moment.target).ok();
         self.stats = TrackStats::default();
         self.is_shown = view.is_some();
         self.buffers.clear();

@@ -94,7 +94,7 @@ impl ReadyChange {
         target: impl Into<Viewport>,
         timeout: Duration,
     ) -> bool {
-        let (ReadyGround::Made(made), Some(view)) = (&mut self.ground, view.in_itrf(target.into()))
+        let (ReadyGround::Made(made), Ok(view)) = (&mut self.ground, view.in_itrf(target.into()))
         else {
             return true;
         };

@@ -135,12 +135,13 @@ impl EarthView {
 
     /// Selects what it shows, without tiles and without the GPU.
     pub(super) fn choose(&mut self, eye: &EyeView, sky: &Sky, target: Viewport) {
-        if let Err(error) = eye.check()
+        let view = eye.in_itrf(target);
+        if let Err(error) = &view
             && !std::mem::replace(&mut self.is_unseen, true)
         {
             tracing::warn!("the Earth is not drawn: {error}");
         }
-        let seen = eye.in_itrf(target).zip(sky.with_unit_sun());
+        let seen = view.ok().zip(sky.with_unit_sun());
         self.drawn = seen
             .as_ref()
             .map(|(view, sky)| self.planner.tile_view(view, sky));

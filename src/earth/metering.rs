@@ -176,7 +176,7 @@ impl ExposureControl {
         sky: &Sky,
         ellipsoid: &Ellipsoid,
     ) -> Option<f64> {
-        let view = view.in_itrf(Viewport::from((1, 1)));
+        let view = view.in_itrf(Viewport::from((1, 1))).ok();
         let (view, sky) = view.zip(sky.with_unit_sun())?;
         let light = self.light_in(&view, &sky, ellipsoid);
         Some(self.metered(&view, &sky, ellipsoid, &light))
@@ -192,7 +192,7 @@ pub fn metered_ev(options: &EarthOptions, view: &EyeView, sky: &Sky) -> Option<f
 /// The [`FrameStats::night_gain`](super::FrameStats::night_gain) of an Earth with these options for a view; `None` if the view has no image. It
 /// needs no GPU.
 pub fn night_gain_in(options: &EarthOptions, view: &EyeView, sky: &Sky) -> Option<f64> {
-    let view = view.in_itrf(Viewport::from((1, 1)));
+    let view = view.in_itrf(Viewport::from((1, 1))).ok();
     let (view, sky) = view.zip(sky.with_unit_sun())?;
     let ellipsoid = options.figure.ellipsoid();
     let light = light_beside(&options.light, has_lamps(options), &view, &sky, &ellipsoid);

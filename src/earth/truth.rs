@@ -55,7 +55,7 @@ impl TruthView {
         figure: Figure,
         target: impl Into<Viewport>,
     ) -> Option<Self> {
-        let (view, sky) = view.in_itrf(target.into()).zip(sky.with_unit_sun())?;
+        let (view, sky) = view.in_itrf(target.into()).ok().zip(sky.with_unit_sun())?;
         Some(Self {
             eye_itrf_m: view.eye_itrf_m,
             rays: view.rays,

@@ -10,7 +10,9 @@ use terrella_frames::Ellipsoid;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ViewError {
     /// Numbers out of range.
-    #[error("the view has a number that is not finite, or its eye is beyond 1e24 m")]
+    #[error(
+        "the view has a number that is not finite or leaves the range of f32, or its eye is beyond 1e24 m"
+    )]
     NotFinite,
     /// Another projection, such as an orthographic one.
     #[error(
@@ -71,18 +73,23 @@ impl EyeView {
     /// # Errors
     /// What is wrong with it.
     pub fn check(&self) -> Result<(), ViewError> {
+        self.in_itrf(Viewport::from((1, 1))).map(|_| ())
+    }
+
+    /// Checks the projection and the world, as far as their numbers are finite.
+    fn check_transforms(&self) -> Result<(), ViewError> {
         let (p, world) = (&self.clip_from_view, &self.itrf_from_world);
         let is_finite = self.eye_world.is_finite()
             && self.view_from_world.is_finite()
             && p.is_finite()
             && world.is_finite();
-        if !is_finite || world.transform_point3(self.eye_world).length() >= FARTHEST_M {
+        if !is_finite {
             return Err(ViewError::NotFinite);
         }
         let zeros = [p.x_axis.y, p.x_axis.w, p.y_axis.x, p.y_axis.w]
             .into_iter()
             .chain([p.z_axis.w + 1.0, p.w_axis.x, p.w_axis.y, p.w_axis.w]);
-        if zeros.into_iter().any(|zero| zero.abs() > 1e-6) || p.determinant() == 0.0 {
+        if zeros.into_iter().any(|zero| zero.abs() > 1e-6) {
             return Err(ViewError::Projection);
         }
         if p.x_axis.x < 0.0 || p.y_axis.y < 0.0 {
@@ -113,8 +120,9 @@ impl EyeView {
         )
     }
 
-    /// The view as it is drawn to a target. `None` if it has no image.
-    pub(crate) fn in_itrf(&self, target: Viewport) -> Option<ItrfView> {
+    /// The view as it is drawn to a target.
+    pub(crate) fn in_itrf(&self, target: Viewport) -> Result<ItrfView, ViewError> {
+        self.check_transforms()?;
         let (eye_itrf_m, clip_from_eye) = self.to_itrf();
         let rays = self.pixel_rays(target);
         let (x, y) = (f64::from(target.origin.0), f64::from(target.origin.1));
@@ -132,7 +140,14 @@ impl EyeView {
                 down: rays.down * height,
             },
         };
-        (self.check().is_ok() && view.can_be_drawn()).then_some(view)
+        // It maps the world to a line or a point, and a pixel's ray is undefined.
+        if clip_from_eye.determinant() == 0.0 {
+            return Err(ViewError::Projection);
+        }
+        match view.is_in_range() {
+            true => Ok(view),
+            false => Err(ViewError::NotFinite),
+        }
     }
 
     /// The rays of a target's pixels, ITRF axes.
@@ -259,13 +274,11 @@ impl ItrfView {
         })
     }
 
-    /// Whether the view has an image. A matrix without an inverse gives none: it maps the world to a line or point, and a pixel's ray is undefined.
-    fn can_be_drawn(&self) -> bool {
+    /// Whether its numbers are in the range that shaders can use.
+    fn is_in_range(&self) -> bool {
         // A comparison with NaN is false.
-        self.eye_itrf_m.abs().max_element() < FARTHEST_M
-            && self.eye_itrf_m.is_finite()
+        self.eye_itrf_m.length() < FARTHEST_M
             && self.clip_from_eye.as_mat4().is_finite()
-            && self.clip_from_eye.determinant() != 0.0
             && self.rays.are_finite()
     }
 }
