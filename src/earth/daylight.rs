@@ -7,7 +7,7 @@ use glam::DVec3;
 use std::f64::consts::PI;
 use terrella_frames::Ellipsoid;
 use terrella_ground::light::{VIEW_RAYS, view_rays};
-use terrella_ground::smooth_step;
+use terrella_ground::step::smooth_step;
 
 /// Fraction of the image that must be in daylight for full effect.
 const ENOUGH: f64 = 0.04;

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use std::ops::RangeInclusive;
 use terrella_ground::air::THICKNESS_M;
-use terrella_ground::smooth_step;
+use terrella_ground::step::smooth_step;
 use terrella_imagery::SLOPE_EXAGGERATION;
 
 /// Options of the light on the surface, with [`terrella_ground::globe::Shading::Sunlit`]. Options that belong to a map have no effect if the Earth

@@ -16,21 +16,22 @@ const MODULES: &[(&str, &[&str])] = &[
     ("frames", &["files"]),
     ("orbit", &["files", "frames"]),
     ("basilisk", &["files", "frames", "orbit"]),
+    ("step", &[]),
     ("height", &[]),
-    ("elevation", &["files", "loaders", "frames", "height"]),
+    ("elevation", &["files", "loaders", "frames", "step", "height"]),
     ("globe", &["frames", "height", "elevation"]),
     ("half", &[]),
     ("air", &["parallel", "frames", "half"]),
-    ("light", &["frames", "air"]),
+    ("light", &["frames", "step", "air"]),
     // Maps and drawables know nothing of satellites.
     ("imagery", &["files", "clock", "parallel", "loaders", "elevation", "globe"]),
     // Triangles and materials of spacecraft; knows no scene.
     ("model", &["files", "imagery"]),
     ("shipped", &[]),
     // What a frame draws knows nothing of what draws it.
-    ("plan", &["frames", "globe", "air", "light", "imagery"]),
+    ("plan", &["frames", "step", "globe", "air", "light", "imagery"]),
     ("gpu", &["files", "parallel", "frames", "globe", "half", "air", "light", "imagery", "plan"]),
-    ("earth", &["files", "clock", "frames", "height", "elevation", "globe", "air", "light", "imagery", "plan", "gpu"]),
+    ("earth", &["files", "clock", "frames", "step", "height", "elevation", "globe", "air", "light", "imagery", "plan", "gpu"]),
     // Drawn into memory.
     ("offscreen", &["light", "imagery", "gpu", "earth"]),
     // Drawn behind the Earth.
@@ -66,7 +67,7 @@ const CRATES: &[Crate] = &[
     Crate { name: "terrella_files", folder: "crates/terrella-files/src/", first: Some("files"), modules: &["durable", "clock", "parallel", "loaders"] },
     Crate { name: "terrella_frames", folder: "crates/terrella-frames/src/", first: Some("frames"), modules: &[] },
     Crate { name: "terrella_orbit", folder: "crates/terrella-orbit/src/", first: Some("orbit"), modules: &["basilisk"] },
-    Crate { name: "terrella_ground", folder: "crates/terrella-ground/src/", first: None, modules: &["height", "elevation", "globe", "half", "air", "light"] },
+    Crate { name: "terrella_ground", folder: "crates/terrella-ground/src/", first: None, modules: &["step", "height", "elevation", "globe", "half", "air", "light"] },
     Crate { name: "terrella_imagery", folder: "crates/terrella-imagery/src/", first: Some("imagery"), modules: &[] },
     Crate { name: "terrella_model", folder: "crates/terrella-model/src/", first: Some("model"), modules: &[] },
     Crate { name: "terrella", folder: "src/", first: None, modules: &["shipped", "plan", "gpu", "earth", "offscreen", "celestial", "tracks"] },

@@ -8,7 +8,7 @@
 //! | [`air`] | density, scattering tables, the billboard |
 //! | [`light`] | exposure, tone curves, metering |
 //! | [`half`] | half floats |
-//! | [`smooth_step`] | the smooth step |
+//! | [`step`] | the smooth step |
 //!
 //! Hosts of the renderer find the items that they need in the crate `terrella`.
 
@@ -30,6 +30,4 @@ pub mod globe;
 pub mod half;
 pub mod height;
 pub mod light;
-mod smooth_step;
-
-pub use smooth_step::smooth_step;
+pub mod step;

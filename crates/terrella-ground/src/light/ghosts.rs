@@ -1,6 +1,6 @@
 //! Lens ghosts: images of the Sun after two reflections inside the lens.
 
-use crate::smooth_step;
+use crate::step::smooth_step;
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 

@@ -2,7 +2,7 @@
 
 use super::FEATHER_SAMPLES;
 use super::georeference::SampleLattice;
-use crate::smooth_step;
+use crate::step::smooth_step;
 
 /// Samples, and how the weight of their heights falls towards their border.
 #[derive(Clone, Copy, Debug)]

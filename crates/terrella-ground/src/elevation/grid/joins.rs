@@ -13,7 +13,7 @@ use super::feather::Feather;
 use super::outside::{EAST, NORTH, Outside, SOUTH, TOUCH, WEST};
 use super::placement::Placement;
 use crate::elevation::{Bounds, PlacedBounds};
-use crate::smooth_step;
+use crate::step::smooth_step;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Spacings within this factor are similar. Otherwise the finer grid blends into the coarser one.

@@ -16,7 +16,7 @@ use super::held::HeldTile;
 use super::{HeightTileKey, HeightTileLayout, HeightTileSource, Wants};
 use crate::elevation::floor::floor;
 use crate::elevation::{Bounds, HeightGrid, HeightRange};
-use crate::smooth_step;
+use crate::step::smooth_step;
 use std::cell::Cell;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
