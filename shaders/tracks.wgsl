@@ -51,15 +51,19 @@ fn covered(inside: f32, change: f32) -> f32 {
 @if(!at_vertices)
 fn in_sight(ray: Ray, from_eye: vec3f, flags: u32) -> f32 {
     let globe = covered(1.0 - ray.q, fwidth(ray.q));
-    let faces = ground_in_sight(from_eye);
+    let faces = ground_in_sight(facing_eye(from_eye));
     let is_behind = ray.along > 0.0 && dot(from_eye, ray.direction) > ray.along;
     let before = select(1.0, 1.0 - globe, is_behind);
     return select(before, faces, (flags & ON_GROUND) != 0u);
 }
 
-// The same of an element that is on the ground.
-fn ground_in_sight(from_eye: vec3f) -> f32 {
-    let facing = dot(from_eye, track.frame.eye_scaled) + track.frame.above;
+// How much the ground at `from_eye` faces the eye: negative beyond the horizon.
+fn facing_eye(from_eye: vec3f) -> f32 {
+    return dot(from_eye, track.frame.eye_scaled) + track.frame.above;
+}
+
+// Visibility of the ground, from a number with the sign of `facing_eye`.
+fn ground_in_sight(facing: f32) -> f32 {
     return covered(facing, fwidth(facing));
 }
 

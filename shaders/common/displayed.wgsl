@@ -18,8 +18,14 @@ fn displayed(light: vec3f, exposure: f32, pixel: vec2f) -> vec3f {
 // As the target stores a tone-mapped value.
 fn stored(shown: vec3f, pixel: vec2f) -> vec3f {
     @if(!shown) return shown;
-    @if(encode) return encode_srgb(shown) + dither(pixel);
-    @if(shown && !encode) return shown + dither(pixel) * linear_per_code(shown);
+    @if(encode) return encoded(shown) + dither(pixel);
+    @if(shown && !encode) return encoded(shown) + dither(pixel) * linear_per_code(shown);
+}
+
+// The same without dithering: for what is blended into dithered pixels.
+fn encoded(shown: vec3f) -> vec3f {
+    @if(encode) return encode_srgb(shown);
+    @else return shown;
 }
 
 // The tone-mapped value, linear and without dithering.

@@ -19,8 +19,10 @@ struct Segment {
 struct Varying {
     @builtin(position) clip: vec4f,
     // Everything is interpolated linearly on screen (w = 1, independent of the backend): positions over w and 1/w.
-    @location(0) from_eye_over_w: vec3f,
-    @location(1) one_over_w: f32,
+    @if(!at_vertices) @location(0) from_eye_over_w: vec3f,
+    @if(!at_vertices) @location(1) one_over_w: f32,
+    // How much the ground faces the eye.
+    @if(at_vertices) @location(0) facing_over_w: f32,
     @location(2) color: vec4f,
     @location(3) across_px: f32,
     @location(4) @interpolate(flat) half_width_px: f32,
@@ -28,7 +30,7 @@ struct Varying {
     @location(6) half_color: vec3f,
     // The air before the ground: along the short segments of lines on the ground it is nearly linear.
     @if(at_vertices) @location(7) air_through: vec3f,
-    @if(at_vertices) @location(8) air_shown: vec3f,
+    @if(at_vertices) @location(8) air_encoded: vec3f,
 }
 
 fn clip_of(from_eye_m: vec3f) -> vec4f {
@@ -92,12 +94,8 @@ fn vertex(@builtin(vertex_index) index: u32, in: Segment) -> Varying {
     let is_whole = select(t == 0.0, t == 1.0, is_end);
     let flags = select(in.a_flags, in.after_flags, is_end);
     let is_joined = is_whole && (flags & FROM_PREVIOUS) != 0u;
-    var neighbour = along;
-    if is_joined && is_end {
-        neighbour = direction_px(b, clip_of(in.after_m));
-    } else if is_joined {
-        neighbour = direction_px(clip_of(in.before_m), a);
-    }
+    let beyond = clip_of(select(in.before_m, in.after_m, is_end));
+    let neighbour = direction_px(select(beyond, b, is_end), select(a, beyond, is_end));
     var out: Varying;
     out.half_width_px = in.half_width_px;
     out.flags = in.b_flags;
@@ -105,28 +103,32 @@ fn vertex(@builtin(vertex_index) index: u32, in: Segment) -> Varying {
     out.color = mix(in.a_color, in.b_color, t);
     out.half_color = mix(in.a_half_color.rgb, in.b_half_color.rgb, t);
     out.clip = NOWHERE;
-    if (in.b_flags & FROM_PREVIOUS) != 0u && span.x < span.y {
+    @if(at_vertices) let facing = vec2f(facing_eye(scaled(in.a_m)), facing_eye(scaled(in.b_m)));
+    @if(at_vertices) let is_seen = max(facing.x, facing.y) > 0.0;
+    @else let is_seen = true;
+    if (in.b_flags & FROM_PREVIOUS) != 0u && span.x < span.y && is_seen {
         let at = mix(a, b, t);
         let out_px = way_out(along, neighbour, is_joined) * out.across_px;
         let from_eye_m = mix(in.a_m, in.b_m, t);
         out.clip = vec4f(at.xy / at.w + 2.0 * out_px / track.size_px, depth_of(at, from_eye_m, in.b_flags), 1.0);
-        out.one_over_w = 1.0 / at.w;
-        out.from_eye_over_w = scaled(from_eye_m) / at.w;
+        @if(!at_vertices) out.one_over_w = 1.0 / at.w;
+        @if(!at_vertices) out.from_eye_over_w = scaled(from_eye_m) / at.w;
+        @if(at_vertices) out.facing_over_w = mix(facing.x, facing.y, t) / at.w;
         @if(at_vertices) let before = air_on(ray_along(track.frame, scaled(from_eye_m), vec2f(0.0)));
         @if(at_vertices) out.air_through = before.through;
-        @if(at_vertices) out.air_shown = before.shown;
+        @if(at_vertices) out.air_encoded = encoded(before.shown);
     }
     return out;
 }
 
 @fragment
 fn fragment(in: Varying) -> @location(0) vec4f {
-    let from_eye = in.from_eye_over_w / in.one_over_w;
+    @if(!at_vertices) let from_eye = in.from_eye_over_w / in.one_over_w;
     @if(!at_vertices) let ray = ray_of(in.clip.xy);
     @if(!at_vertices) let seen = in_sight(ray, from_eye, in.flags);
-    @if(at_vertices) let seen = ground_in_sight(from_eye);
+    @if(at_vertices) let seen = ground_in_sight(in.facing_over_w);
     let casing = select(CASING, 0.0, (in.flags & UNCASED) != 0u);
     let color = cased(in.color, in.half_color, in.half_width_px - abs(in.across_px), casing, seen);
     @if(!at_vertices) return seen_color(color, ray, from_eye);
-    @if(at_vertices) return vec4f(in.air_through * color.rgb + stored(in.air_shown, in.clip.xy) * color.a, color.a);
+    @if(at_vertices) return vec4f(in.air_through * color.rgb + in.air_encoded * color.a, color.a);
 }

@@ -21,8 +21,10 @@ const PART_RAD: f64 = 10.0 * PI / 180.0;
 const LEVEL_ERRORS_M: [f64; 11] = [
     0.0, 125.0, 250.0, 500.0, 1000.0, 2000.0, 4000.0, 8000.0, 16_000.0, 32_000.0, 64_000.0,
 ];
-/// Longest segment of a simplified line on the ground, metres: 2.5° of arc, along which the light of the air is nearly linear.
+/// Longest segment of a simplified line on the ground, metres, or this many times the line's deviation: 2.5° of arc or 63 pixels, along which the
+/// light of the air is nearly linear.
 const LONGEST_M: f64 = 280_000.0;
+const LONGEST_DEVIATIONS: f64 = 70.0;
 /// Largest deviation on screen, pixels.
 const MAX_ERROR_PX: f64 = 0.9;
 /// A line that fits into a circle of this diameter, pixels, is left out: a small island seen from afar.
@@ -356,7 +358,8 @@ impl Builder {
         let mut levels = [(0, 0); LEVEL_ERRORS_M.len()];
         let mut before = usize::MAX;
         for (k, error_m) in LEVEL_ERRORS_M.into_iter().enumerate() {
-            let kept = kept_points(line, error_m, self.longest_m);
+            let longest_m = self.longest_m.max(LONGEST_DEVIATIONS * error_m);
+            let kept = kept_points(line, error_m, longest_m);
             let count = kept.iter().filter(|is_kept| **is_kept).count();
             // A level that saves nothing reuses the one before.
             if count == before {
