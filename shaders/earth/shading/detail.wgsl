@@ -10,6 +10,9 @@ const DETAIL_OCTAVES: i32 = 8;
 // Rotation of the lattice from one octave to the next, so that their planes are invisible: by 48° about (1, 2, 3).
 const DETAIL_TURN: mat3x3f = mat3x3f(
     vec3f(0.692764, 0.643108, -0.326327), vec3f(-0.548574, 0.763665, 0.340415), vec3f(0.468128, -0.056813, 0.881832));
+// Octaves of this spacing, in texels, are in the map, and those of this spacing, in pixels, are too small to show.
+const MAPPED_TEXELS: f32 = 2.0;
+const LEAST_SPACING: f32 = 1.2;
 // Variance of one octave: (26/35)³/3.
 const DETAIL_VARIANCE: f32 = 0.1367;
 
@@ -20,8 +23,14 @@ fn detail(up: vec3f, texel: f32, pixel: f32, falloff: f32) -> Detail {
     var spacing = COARSEST_DETAIL;
     var turned = up;
     var strength = 1.0;
-    for (var i = 0; i < DETAIL_OCTAVES && spacing > pixel; i++) {
-        let weight = strength * shown(spacing, pixel) * (1.0 - smoothstep(0.8, 2.0, spacing / texel));
+    var i = 0;
+    // Those that the map shows.
+    for (; i < DETAIL_OCTAVES && spacing > MAPPED_TEXELS * texel; i++) {
+        turned = DETAIL_TURN * turned;
+        spacing *= NEXT_SPACING;
+    }
+    for (; i < DETAIL_OCTAVES && spacing > LEAST_SPACING * pixel; i++) {
+        let weight = strength * shown(spacing, pixel) * (1.0 - smoothstep(0.8, MAPPED_TEXELS, spacing / texel));
         if weight > 0.0 {
             out.value += weight * value_noise(turned / spacing + f32(i) * 17.0);
             out.variance += weight * weight * DETAIL_VARIANCE;
@@ -35,7 +44,7 @@ fn detail(up: vec3f, texel: f32, pixel: f32, falloff: f32) -> Detail {
 
 // Visibility of an octave in pixels of this size.
 fn shown(spacing: f32, pixel: f32) -> f32 {
-    return smoothstep(1.2, 3.0, spacing / pixel);
+    return smoothstep(LEAST_SPACING, 3.0, spacing / pixel);
 }
 
 // −1…1, smooth between the points of a lattice.

@@ -22,7 +22,8 @@ const SCALED_ASYMMETRY: f32 = 0.4595;
 fn scattered_once(thickness: f32, mu_eye: f32, mu: f32, cos_phase: f32) -> f32 {
     let squared = SCALED_ASYMMETRY * SCALED_ASYMMETRY;
     // Henyey–Greenstein; the scattering angle is 180° minus the phase angle.
-    let phase = (1.0 - squared) * pow(1.0 + squared + 2.0 * SCALED_ASYMMETRY * cos_phase, -1.5);
+    let root = inverseSqrt(1.0 + squared + 2.0 * SCALED_ASYMMETRY * cos_phase);
+    let phase = (1.0 - squared) * root * root * root;
     return phase * (1.0 - exp(-thickness * (1.0 / mu_eye + 1.0 / mu))) / (4.0 * (mu_eye + mu));
 }
 
