@@ -30,6 +30,7 @@ mod relief;
 mod scaled;
 mod scopes;
 mod shader;
+mod situation;
 mod surface;
 mod surface_config;
 mod surface_pipelines;

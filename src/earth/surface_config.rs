@@ -45,6 +45,12 @@ pub(super) fn surface_config<'a>(
         #[cfg(feature = "terrain")]
         crosses_blocks: ground.is_some_and(Surface::crosses_blocks),
         interpolates_air: style.interpolates_air,
+        // A GPU skips them by itself, and pipelines made in advance would be three times as many.
+        leaves_out_scales: software
+            && style.pipelines == Pipelines::WhenNeeded
+            && style.light.detail
+            && style.shading == Shading::Sunlit
+            && style.diagnostics.output == SurfaceOutput::Color,
         wireframe: style.diagnostics.wireframe,
         anisotropy: if software { 1 } else { quality.anisotropy },
         format,

@@ -210,6 +210,16 @@ pub struct PixelRays {
 }
 
 impl PixelRays {
+    /// Rays through the corners of the first pixel.
+    fn corners(&self) -> [DVec3; 4] {
+        let Self {
+            corner,
+            right,
+            down,
+        } = *self;
+        [corner, corner + right, corner + down, corner + right + down]
+    }
+
     /// Whether all are finite in f32.
     fn are_finite(&self) -> bool {
         [self.corner, self.right, self.down]
@@ -239,6 +249,19 @@ impl ItrfView {
         self.rays.down.length()
     }
 
+    /// Lower bound of the size of a pixel, the larger one of its sides, on a surface at distance 1 or farther.
+    ///
+    /// Let a pixel at the angle θ from the axis, at (x, y) of the plane one metre in front, show the distance r. To the next pixel, p farther right,
+    /// the surface moves by D with |D_x − x D_z| = p r cos θ, so that |D| ≥ p r cos θ/√(1 + x²); the same applies downwards. Of x² and y² the
+    /// smaller one is at most tan²θ/2. The margin is for geodetic latitudes.
+    pub fn least_pixel_rad(&self) -> f64 {
+        const MARGIN: f64 = 0.99;
+        let corners = self.picture.corners().map(DVec3::length_squared);
+        let square = corners.into_iter().fold(1.0, f64::max);
+        let pixel = self.rays.right.length().min(self.rays.down.length());
+        MARGIN * pixel / (square * (1.0 + 0.5 * (square - 1.0))).sqrt()
+    }
+
     /// Uniforms of the view, without light: Sun, exposure and the air below the eye are zero.
     pub fn uniforms(&self, ellipsoid: &Ellipsoid) -> FrameUniforms {
         let eye_scaled = self.eye_itrf_m / ellipsoid.itrf_from_scaled();
@@ -261,13 +284,7 @@ impl ItrfView {
         let scale = ellipsoid.itrf_from_scaled();
         let eye = self.eye_itrf_m / scale;
         let above = (eye.length() - 1.0) * (eye.length() + 1.0);
-        let PixelRays {
-            corner,
-            right,
-            down,
-        } = self.picture;
-        let corners = [corner, corner + right, corner + down, corner + right + down];
-        !corners.into_iter().all(|ray| {
+        !self.picture.corners().into_iter().all(|ray| {
             let ray = ray / scale;
             let along = eye.dot(ray);
             along < 0.0 && along * along >= above * ray.length_squared()
@@ -321,4 +338,54 @@ pub fn infinite_reversed_z(fov_y_rad: f64, aspect: f64, near: f64) -> DMat4 {
         DVec4::new(0.0, 0.0, 0.0, -1.0),
         DVec4::new(0.0, 0.0, near, 0.0),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RADIUS_M: f64 = 6_378_137.0;
+
+    /// Where a ray meets a sphere of this radius.
+    fn hit(eye: DVec3, ray: DVec3) -> Option<DVec3> {
+        let ray = ray.normalize();
+        let along = eye.dot(ray);
+        let root = along * along - eye.length_squared() + RADIUS_M * RADIUS_M;
+        (root > 0.0 && along < 0.0).then(|| eye - (along + root.sqrt()) * ray)
+    }
+
+    #[test]
+    fn no_pixel_on_the_ground_is_smaller_than_the_bound() {
+        let (mut seen, mut closest) = (0, f64::INFINITY);
+        for (height_m, fov_deg, tilt_deg) in [4e5, 8e6, 4e7].into_iter().flat_map(|height_m| {
+            let fovs = [10.0, 45.0, 110.0].into_iter();
+            fovs.flat_map(move |fov| [0.0, 15.0, 50.0].map(|tilt| (height_m, fov, tilt)))
+        }) {
+            let eye = DVec3::X * (RADIUS_M + height_m);
+            let (sin, cos) = f64::to_radians(tilt_deg).sin_cos();
+            let forward = DVec3::new(-cos, 0.6 * sin, 0.8 * sin);
+            let view = EyeView::itrf(eye, forward, DVec3::Z, f64::to_radians(fov_deg), 16.0 / 9.0);
+            let view = view.in_itrf(Viewport::from((64, 36))).expect("a view");
+            let least_m = view.least_pixel_rad() * height_m;
+            let PixelRays {
+                corner,
+                right,
+                down,
+            } = view.rays;
+            for (x, y) in (0..63).flat_map(|x| (0..35).map(move |y| (x, y))) {
+                let ray = corner + (f64::from(x) + 0.5) * right + (f64::from(y) + 0.5) * down;
+                let places = [ray, ray + right, ray + down].map(|ray| hit(eye, ray));
+                if let [Some(at), Some(east), Some(south)] = places {
+                    let pixel_m = at.distance(east).max(at.distance(south));
+                    assert!(
+                        pixel_m >= least_m,
+                        "{height_m} {fov_deg} {tilt_deg}: {pixel_m}"
+                    );
+                    closest = closest.min(pixel_m / least_m);
+                    seen += 1;
+                }
+            }
+        }
+        assert!(seen > 10_000 && closest < 1.1, "{seen} {closest}");
+    }
 }

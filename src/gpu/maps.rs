@@ -1,6 +1,7 @@
 //! Maps for the surface's fragment shader: whole maps, and the bind groups of whole maps and tiles.
 
 use super::{GpuLayer, UploadedMaps};
+use std::f64::consts::PI;
 use terrella_imagery::EarthLayers;
 use terrella_imagery::tile::{MAP_LAYERS, MapLayer};
 
@@ -92,6 +93,15 @@ impl Maps {
     /// Bytes of the whole maps, mip levels included.
     pub fn bytes(&self) -> u64 {
         self.whole.iter().flatten().map(|layer| layer.bytes).sum()
+    }
+
+    /// Largest texel of the maps with synthetic detail, from north to south, equatorial radii. Tiles have smaller ones.
+    pub fn largest_texel(&self) -> f64 {
+        let detailed = [MapLayer::Day, MapLayer::Clouds].map(|layer| &self.whole[layer.index()]);
+        let rows = detailed.into_iter().flatten();
+        let rows = rows.map(|map| map.view.texture().height());
+        rows.min()
+            .map_or(f64::INFINITY, |rows| PI / f64::from(rows))
     }
 
     /// A bind group of whole maps only.

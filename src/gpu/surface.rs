@@ -7,6 +7,7 @@ use super::maps::Maps;
 use super::mesh::{MeshForm, SurfaceMesh};
 use super::pass_kind::PassKind;
 use super::shader::{EarthVariant, ShaderVariant};
+use super::situation::Situation;
 use super::surface_config::SurfaceConfig;
 use super::surface_pipelines::{
     SurfaceMaker, SurfacePipelines, frame_entry, light_entry, reads_detail_tile, reads_light,
@@ -49,11 +50,6 @@ enum Imagery {
         /// Whole maps, for triangles that span several blocks or lie in a block without tiles.
         whole: wgpu::BindGroup,
     },
-}
-
-/// Index into [`SurfacePipelines`] of the side of the air that a plan is seen from.
-fn side_of(plan: &FramePlan) -> usize {
-    plan.air.as_ref().map_or(0, |air| air.side() as usize)
 }
 
 impl SurfaceDrawable {
@@ -170,7 +166,7 @@ impl SurfaceDrawable {
         if !self.maps.there()[layer.index()] {
             return Err(MapError::NotDrawn(layer.name()));
         }
-        if layer == MapLayer::NightLights && self.pipelines.has(0, PassKind::CityLights) {
+        if layer == MapLayer::NightLights && self.pipelines.draws(PassKind::CityLights) {
             return Err(MapError::AsPoints);
         }
         if let Imagery::Tiles { tiles, .. } = &self.imagery
@@ -214,11 +210,16 @@ impl SurfaceDrawable {
         self.pipelines.make_all(&maker, device, config)
     }
 
+    /// What the choice of a plan's pipelines depends on.
+    fn situation(&self, plan: &FramePlan) -> Situation {
+        self.pipelines.situation(plan, self.maps.largest_texel())
+    }
+
     /// Whether the pipelines of a plan are created and bound.
     pub fn is_ready(&self, view: &SurfaceView, plan: &FramePlan) -> bool {
-        let side = side_of(plan);
+        let at = self.situation(plan);
         let lights = plan.draws.iter().map(|draw| draw.light);
-        let kinds = lights.map(|light| self.pipelines.kind_of(side, light, plan.has_moon_shadow));
+        let kinds = lights.map(|light| self.pipelines.kind_of(at, light, plan.has_moon_shadow));
         let city_lights = self.city_lights_of(plan);
         let points = self.city_lights.as_ref().filter(|_| city_lights.is_some());
         if !points.is_none_or(|points| points.are_ready(&plan.city_lights)) {
@@ -226,9 +227,7 @@ impl SurfaceDrawable {
         }
         let clouds = self.clouds_beside_ground_of(plan);
         let mut kinds = kinds.chain(city_lights).chain(clouds);
-        kinds.all(|kind| {
-            self.pipelines.pass(side, kind).is_some() && view.group(side, kind).is_some()
-        })
+        kinds.all(|kind| self.pipelines.pass(at, kind).is_some() && view.group(at, kind).is_some())
     }
 
     /// The kind of draw for a plan's city lights, if it has any.
@@ -236,7 +235,7 @@ impl SurfaceDrawable {
         let kind = PassKind::CityLights;
         let is_drawn = !plan.city_lights.is_empty()
             && self.city_lights.is_some()
-            && self.pipelines.has(side_of(plan), kind);
+            && self.pipelines.has(self.situation(plan), kind);
         is_drawn.then_some(kind)
     }
 
@@ -248,12 +247,12 @@ impl SurfaceDrawable {
             plan if plan.has_moon_shadow => PassKind::EclipsedCloudsAtLimb,
             _ => PassKind::CloudsAtLimb,
         };
-        let side = side_of(plan);
+        let at = self.situation(plan);
         let kinds = [Some(kind), kind.instead()];
         kinds
             .into_iter()
             .flatten()
-            .find(|kind| self.pipelines.has(side, *kind))
+            .find(|kind| self.pipelines.has(at, *kind))
     }
 
     /// Creates and binds the missing pipelines of a plan.
@@ -264,12 +263,12 @@ impl SurfaceDrawable {
         view: &mut SurfaceView,
         plan: &FramePlan,
     ) -> Result<(), ShaderError> {
-        let side = side_of(plan);
+        let at = self.situation(plan);
         let kinds = DrawLight::ALL.into_iter().filter(|light| {
             let mut draws = plan.draws.iter();
             draws.any(|draw| draw.light == *light)
         });
-        let kinds = kinds.map(|light| self.pipelines.kind_of(side, light, plan.has_moon_shadow));
+        let kinds = kinds.map(|light| self.pipelines.kind_of(at, light, plan.has_moon_shadow));
         let city_lights = self.city_lights_of(plan);
         if let Some(points) = self.city_lights.as_mut().filter(|_| city_lights.is_some()) {
             points.make_ready(device, &plan.city_lights);
@@ -277,16 +276,16 @@ impl SurfaceDrawable {
         let kinds = kinds.chain(city_lights);
         let wanted: Vec<_> = kinds.chain(self.clouds_beside_ground_of(plan)).collect();
         let maker = self.maker(view);
-        let missing = wanted.iter().map(|kind| (side, *kind));
+        let missing = wanted.iter().map(|kind| (at, *kind));
         self.pipelines
             .make_passes(&maker, device, config, missing)?;
         for kind in wanted {
-            if let Some(pass) = self.pipelines.pass(side, kind)
-                && view.group(side, kind).is_none()
+            if let Some(pass) = self.pipelines.pass(at, kind)
+                && view.group(at, kind).is_none()
             {
                 let bindings = self.bindings(view, config, &pass.variant);
                 let group = super::bind_to(device, "terrella earth", &pass.layout, bindings);
-                view.set_group(side, kind, group);
+                view.set_group(at, kind, group);
             }
         }
         Ok(())
@@ -344,16 +343,16 @@ impl SurfaceDrawable {
         if !self.is_ready(view, plan) {
             return;
         }
-        let side = side_of(plan);
+        let at = self.situation(plan);
         let mut chosen = None;
         let mut by_light = |pass: &mut wgpu::RenderPass<'_>, light: DrawLight| {
             if chosen == Some(light) {
                 return;
             }
             chosen = Some(light);
-            let kind = self.pipelines.kind_of(side, light, plan.has_moon_shadow);
-            let drawn = self.pipelines.pass(side, kind);
-            if let Some((drawn, group)) = drawn.zip(view.group(side, kind)) {
+            let kind = self.pipelines.kind_of(at, light, plan.has_moon_shadow);
+            let drawn = self.pipelines.pass(at, kind);
+            if let Some((drawn, group)) = drawn.zip(view.group(at, kind)) {
                 pass.set_pipeline(&drawn.pipeline);
                 pass.set_bind_group(0, group, &[]);
             }
@@ -404,10 +403,10 @@ impl SurfaceDrawable {
         plan: &FramePlan,
         vertices: u32,
     ) {
-        let side = side_of(plan);
+        let at = self.situation(plan);
         let drawn = self.clouds_beside_ground_of(plan).and_then(|kind| {
-            let pass = self.pipelines.pass(side, kind)?;
-            Some((pass, view.group(side, kind)?))
+            let pass = self.pipelines.pass(at, kind)?;
+            Some((pass, view.group(at, kind)?))
         });
         if let Some((drawn, group)) = drawn {
             let (Imagery::Whole(maps) | Imagery::Tiles { whole: maps, .. }) = &self.imagery;
@@ -425,10 +424,10 @@ impl SurfaceDrawable {
         view: &SurfaceView,
         plan: &FramePlan,
     ) {
-        let side = side_of(plan);
+        let at = self.situation(plan);
         let drawn = self.city_lights_of(plan).and_then(|kind| {
-            let pass = self.pipelines.pass(side, kind)?;
-            Some((pass, view.group(side, kind)?, self.city_lights.as_ref()?))
+            let pass = self.pipelines.pass(at, kind)?;
+            Some((pass, view.group(at, kind)?, self.city_lights.as_ref()?))
         });
         if let Some((drawn, group, points)) = drawn {
             pass.set_pipeline(&drawn.pipeline);

@@ -10,12 +10,14 @@ use super::shader::{
     EarthOutput, EarthVariant, PaperLayers, ShaderModule, ShaderVariant, ShadingVariant,
     SunlitLayers, TruthLayers, VertexForm,
 };
+use super::situation::Situation;
 use super::surface_config::SurfaceConfig;
 use super::surface_view::SurfaceView;
 use super::tiles::tiles_bytes;
 use super::{ErrorScope, PipelineDescription, ShaderError};
 use crate::plan::{
-    AirSide, DrawLight, FrameUniforms, LightEffect, LightEffects, SurfaceLightUniforms,
+    AirSide, DetailScales, DrawLight, FramePlan, FrameUniforms, LightEffect, LightEffects,
+    SurfaceLightUniforms,
 };
 use terrella_files::parallel;
 use terrella_ground::globe::Shading;
@@ -34,11 +36,13 @@ pub(crate) struct SurfaceMaker {
 /// The pipelines of a configuration, created on first use or all at once.
 pub(crate) struct SurfacePipelines {
     pub(super) maps: MapArrangement,
-    /// One without air; otherwise one for an eye outside the air and one for an eye inside.
-    sides: Vec<SurfacePasses>,
+    /// By side of the air — one without air; otherwise one for an eye outside it and one for an eye inside — and by [`DetailScales`].
+    sides: Vec<[SurfacePasses; DetailScales::ALL.len()]>,
+    /// Whether frames leave out scales of detail.
+    leaves_out_scales: bool,
 }
 
-/// How the surface is drawn from one side of the air, by [`PassKind`].
+/// How the surface is drawn in one situation, by [`PassKind`].
 type SurfacePasses = [Slot; PassKind::COUNT];
 
 /// A pass that may be needed.
@@ -62,10 +66,28 @@ impl SurfacePipelines {
         self.sides.len()
     }
 
-    /// The kind of draw for this light from one side of the air, or its replacement.
-    pub(super) fn kind_of(&self, side: usize, light: DrawLight, has_moon_shadow: bool) -> PassKind {
+    /// The situation of a plan over maps with texels of at most this size, equatorial radii.
+    pub(super) fn situation(&self, plan: &FramePlan, largest_texel: f64) -> Situation {
+        let scales = match self.leaves_out_scales {
+            true => DetailScales::of_pixels(plan.least_pixel, largest_texel),
+            false => DetailScales::Both,
+        };
+        Situation::of(plan, scales)
+    }
+
+    fn slots(&self, at: Situation) -> Option<&SurfacePasses> {
+        Some(&self.sides.get(at.side)?[at.scales as usize])
+    }
+
+    /// The kind of draw for this light in a situation, or its replacement.
+    pub(super) fn kind_of(
+        &self,
+        at: Situation,
+        light: DrawLight,
+        has_moon_shadow: bool,
+    ) -> PassKind {
         let mut kind = PassKind::of(light, has_moon_shadow);
-        while !self.has(side, kind)
+        while !self.has(at, kind)
             && let Some(instead) = kind.instead()
         {
             kind = instead;
@@ -74,9 +96,14 @@ impl SurfacePipelines {
     }
 
     /// Whether there is such a pass, created or not.
-    pub(super) fn has(&self, side: usize, kind: PassKind) -> bool {
-        let slots = self.sides.get(side);
+    pub(super) fn has(&self, at: Situation, kind: PassKind) -> bool {
+        let slots = self.slots(at);
         slots.is_some_and(|slots| slots[kind as usize].variant.is_some())
+    }
+
+    /// Whether there is such a pass in any situation.
+    pub(super) fn draws(&self, kind: PassKind) -> bool {
+        self.variants().any(|(other, _)| other == kind)
     }
 
     /// Whether a pass reads the tile of synthetic detail.
@@ -86,8 +113,8 @@ impl SurfacePipelines {
     }
 
     /// A pass that was created.
-    pub(super) fn pass(&self, side: usize, kind: PassKind) -> Option<&SurfacePass> {
-        self.sides.get(side)?[kind as usize].pass.as_ref()
+    pub(super) fn pass(&self, at: Situation, kind: PassKind) -> Option<&SurfacePass> {
+        self.slots(at)?[kind as usize].pass.as_ref()
     }
 
     /// Creates a missing pass. After a failure it is not tried again: another kind replaces it.
@@ -96,10 +123,10 @@ impl SurfacePipelines {
         maker: &SurfaceMaker,
         device: &wgpu::Device,
         config: &SurfaceConfig<'_>,
-        (side, kind): (usize, PassKind),
+        (at, kind): (Situation, PassKind),
     ) -> Result<(), ShaderError> {
-        let slots = self.sides.get_mut(side);
-        let slot = slots.map(|slots| &mut slots[kind as usize]);
+        let side = self.sides.get_mut(at.side);
+        let slot = side.map(|side| &mut side[at.scales as usize][kind as usize]);
         if let Some(slot) = slot
             && slot.pass.is_none()
             && let Some(variant) = slot.variant.take()
@@ -119,16 +146,16 @@ impl SurfacePipelines {
         maker: &SurfaceMaker,
         device: &wgpu::Device,
         config: &SurfaceConfig<'_>,
-        wanted: impl Iterator<Item = (usize, PassKind)>,
+        wanted: impl Iterator<Item = (Situation, PassKind)>,
     ) -> Result<(), ShaderError> {
-        let mut missing: Vec<(usize, PassKind, EarthVariant)> = Vec::new();
-        for (side, kind) in wanted {
-            let slot = self.sides.get(side).map(|slots| &slots[kind as usize]);
-            let is_listed = missing.iter().any(|(s, k, _)| (*s, *k) == (side, kind));
+        let mut missing: Vec<(Situation, PassKind, EarthVariant)> = Vec::new();
+        for (at, kind) in wanted {
+            let slot = self.slots(at).map(|slots| &slots[kind as usize]);
+            let is_listed = missing.iter().any(|(s, k, _)| (*s, *k) == (at, kind));
             if let Some(slot) = slot.filter(|slot| slot.pass.is_none() && !is_listed)
                 && let Some(variant) = slot.variant
             {
-                missing.push((side, kind, variant));
+                missing.push((at, kind, variant));
             }
         }
         if parallel::HAS_THREADS {
@@ -140,13 +167,13 @@ impl SurfacePipelines {
                 let rejected = rejections.error();
                 pass.filter(|_| rejected.is_none())
             });
-            for ((side, kind, _), pass) in missing.iter().zip(made) {
-                self.sides[*side][*kind as usize].pass = pass;
+            for ((at, kind, _), pass) in missing.iter().zip(made) {
+                self.sides[at.side][at.scales as usize][*kind as usize].pass = pass;
             }
         }
         // Passes that failed, or could not be created in parallel, are created here, where errors are checked.
         let mut missing = missing.into_iter();
-        missing.try_for_each(|(side, kind, _)| self.make_pass(maker, device, config, (side, kind)))
+        missing.try_for_each(|(at, kind, _)| self.make_pass(maker, device, config, (at, kind)))
     }
 
     /// Creates the pass that is needed in any case.
@@ -156,7 +183,11 @@ impl SurfacePipelines {
         device: &wgpu::Device,
         config: &SurfaceConfig<'_>,
     ) -> Result<(), ShaderError> {
-        self.make_pass(maker, device, config, (0, PassKind::Everything))
+        let first = Situation {
+            side: 0,
+            scales: DetailScales::Both,
+        };
+        self.make_pass(maker, device, config, (first, PassKind::Everything))
     }
 
     /// Creates all missing passes.
@@ -166,21 +197,21 @@ impl SurfacePipelines {
         device: &wgpu::Device,
         config: &SurfaceConfig<'_>,
     ) -> Result<(), ShaderError> {
-        let sides = 0..self.sides.len();
-        let all = sides.flat_map(|side| PassKind::ALL.map(|kind| (side, kind)));
+        let all =
+            Situation::all(self.sides.len()).flat_map(|at| PassKind::ALL.map(|kind| (at, kind)));
         self.make_passes(maker, device, config, all)
     }
 
-    /// All variants for the first side of the air.
+    /// All variants for the first side of the air, with all scales of detail.
     pub(super) fn variants(&self) -> impl Iterator<Item = (PassKind, EarthVariant)> {
-        let slots = self.sides.first().into_iter().flatten();
+        let slots = self.sides.first().into_iter().flat_map(|side| &side[0]);
         let kinds = PassKind::ALL.into_iter().zip(slots);
         kinds.filter_map(|(kind, slot)| Some((kind, slot.variant?)))
     }
 
-    /// Total length of the WGSL that the driver gets, bytes.
+    /// Total length of the WGSL that the driver gets, with all scales of detail, bytes.
     pub(super) fn shader_bytes(&self) -> u64 {
-        let slots = self.sides.iter().flatten();
+        let slots = self.sides.iter().flat_map(|side| &side[0]);
         let texts = slots.filter_map(|slot| slot.variant?.source().ok());
         texts.map(|source| source.text.len() as u64).sum()
     }
@@ -220,27 +251,34 @@ impl SurfaceMaker {
             // Cells are classified for whole maps only; tiles show more.
             let of_one_kind = interpolated.filter(|_| !self.has_tiles);
             let of_one_kind = of_one_kind.and_then(EarthVariant::of_one_kind);
-            PassKind::ALL.map(|kind| Slot {
-                variant: match kind {
-                    PassKind::Everything => Some(all),
-                    PassKind::Daylit => all.daylit(),
-                    PassKind::Interpolated => interpolated,
-                    PassKind::Land => of_one_kind.map(|(land, _)| land),
-                    PassKind::OpenSea => of_one_kind.map(|(_, open_sea)| open_sea),
-                    PassKind::Eclipsed => all.eclipsed().filter(|_| config.light.eclipses),
-                    PassKind::CityLights => city_lights,
-                    PassKind::CloudsOverhead => all.clouds_overhead(config.light.eclipses),
-                    PassKind::CloudsAtLimb => all.clouds_at_limb(),
-                    PassKind::EclipsedCloudsAtLimb => all
-                        .clouds_at_limb()
-                        .and_then(EarthVariant::eclipsed)
-                        .filter(|_| config.light.eclipses),
-                },
-                pass: None,
+            let variants = PassKind::ALL.map(|kind| match kind {
+                PassKind::Everything => Some(all),
+                PassKind::Daylit => all.daylit(),
+                PassKind::Interpolated => interpolated,
+                PassKind::Land => of_one_kind.map(|(land, _)| land),
+                PassKind::OpenSea => of_one_kind.map(|(_, open_sea)| open_sea),
+                PassKind::Eclipsed => all.eclipsed().filter(|_| config.light.eclipses),
+                PassKind::CityLights => city_lights,
+                PassKind::CloudsOverhead => all.clouds_overhead(config.light.eclipses),
+                PassKind::CloudsAtLimb => all.clouds_at_limb(),
+                PassKind::EclipsedCloudsAtLimb => all
+                    .clouds_at_limb()
+                    .and_then(EarthVariant::eclipsed)
+                    .filter(|_| config.light.eclipses),
+            });
+            DetailScales::ALL.map(|scales| {
+                let is_used = scales == DetailScales::Both || config.leaves_out_scales;
+                variants.map(|variant| Slot {
+                    variant: variant
+                        .filter(|_| is_used)
+                        .map(|variant| variant.with_scales(scales).unwrap_or(variant)),
+                    pass: None,
+                })
             })
         });
         SurfacePipelines {
             sides: sides.collect(),
+            leaves_out_scales: config.leaves_out_scales,
             maps,
         }
     }
@@ -372,6 +410,7 @@ fn output(maps: &MapArrangement, config: &SurfaceConfig<'_>, air: Option<AirSide
             eclipse: false,
             interpolated: false,
             open_sea: false,
+            scales: DetailScales::Both,
             air,
         }),
     };

@@ -4,19 +4,20 @@ use super::lattice::Lattice;
 use super::mesh::SurfaceMesh;
 use super::pass_kind::PassKind;
 use super::relief;
+use super::situation::Situation;
 use super::surface_config::SurfaceConfig;
-use crate::plan::{FramePlan, FrameUniforms};
+use crate::plan::{DetailScales, FramePlan, FrameUniforms};
 use terrella_ground::globe::{BlockGrid, Surface};
 
 pub(crate) struct SurfaceView {
     /// [`FrameUniforms`].
     uniforms: wgpu::Buffer,
     mesh: Box<dyn SurfaceMesh>,
-    /// One for each side of the air.
-    groups: Vec<PassGroups>,
+    /// By side of the air and by [`DetailScales`].
+    groups: Vec<[PassGroups; DetailScales::ALL.len()]>,
 }
 
-/// Group 0 for one side of the air, by [`PassKind`], for the passes created so far.
+/// Group 0 in one situation, by [`PassKind`], for the passes created so far.
 pub(super) type PassGroups = [Option<wgpu::BindGroup>; PassKind::COUNT];
 
 impl SurfaceView {
@@ -46,20 +47,20 @@ impl SurfaceView {
     }
 
     /// The bind group of a pass.
-    pub(super) fn group(&self, side: usize, kind: PassKind) -> Option<&wgpu::BindGroup> {
-        self.groups.get(side)?[kind as usize].as_ref()
+    pub(super) fn group(&self, at: Situation, kind: PassKind) -> Option<&wgpu::BindGroup> {
+        self.groups.get(at.side)?[at.scales as usize][kind as usize].as_ref()
     }
 
     /// Removes all bind groups, for this number of sides of the air.
     pub(super) fn unbind(&mut self, sides: usize) {
-        self.groups = std::iter::repeat_with(PassGroups::default)
+        self.groups = std::iter::repeat_with(Default::default)
             .take(sides)
             .collect();
     }
 
-    pub(super) fn set_group(&mut self, side: usize, kind: PassKind, group: wgpu::BindGroup) {
-        if let Some(groups) = self.groups.get_mut(side) {
-            groups[kind as usize] = Some(group);
+    pub(super) fn set_group(&mut self, at: Situation, kind: PassKind, group: wgpu::BindGroup) {
+        if let Some(groups) = self.groups.get_mut(at.side) {
+            groups[at.scales as usize][kind as usize] = Some(group);
         }
     }
 

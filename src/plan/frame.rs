@@ -71,6 +71,8 @@ pub(crate) struct FramePlan {
     pub is_below_clouds: bool,
     /// Whether clouds may be seen above the edge of the ground.
     pub has_clouds_at_limb: bool,
+    /// Lower bound of the size of a pixel on the ground, equatorial radii.
+    pub least_pixel: f64,
     /// The billboard of the air's halo; `None` without air.
     pub air: Option<AirPlan>,
 }
@@ -101,6 +103,7 @@ impl FramePlan {
             has_moon_shadow: false,
             is_below_clouds: false,
             has_clouds_at_limb: false,
+            least_pixel: 0.0,
             air: None,
         }
     }
@@ -116,6 +119,7 @@ impl FramePlan {
         self.has_moon_shadow = false;
         self.is_below_clouds = false;
         self.has_clouds_at_limb = false;
+        self.least_pixel = 0.0;
         self.air = None;
     }
 

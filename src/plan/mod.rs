@@ -5,6 +5,7 @@
 //! | `frame.rs` | the content of a frame |
 //! | `draws.rs` | the draws of its surface; `ground_draws.rs` for terrain |
 //! | `cells.rs` | how cells of the block sphere are lit |
+//! | `detail_scales.rs` | scales of synthetic detail that it can show |
 //! | `air.rs` | its air |
 //! | `aurora.rs` | the aurora: its position and brightness |
 //! | `glow.rs` | airglow |
@@ -15,6 +16,7 @@
 mod air;
 mod aurora;
 mod cells;
+mod detail_scales;
 mod draws;
 mod frame;
 mod glow;
@@ -28,6 +30,8 @@ pub(crate) use air::AirPlan;
 pub use air::AirSide;
 pub use aurora::AuroraUniforms;
 pub(crate) use cells::{CellLight, CellLights, interpolated_cells};
+pub use detail_scales::DetailScales;
+pub(crate) use detail_scales::{EMPTY_DETAIL_LEVEL, FINE_DETAIL_TILES};
 pub(crate) use draws::{
     DrawCosts, DrawLight, LISTED_INDICES, PER_BLOCK_TILES, SurfaceDraw, WHOLE_MAP, draw_blocks,
 };

@@ -21,7 +21,7 @@ use terrella::internals::gpu::{
     ShaderCapability, ShaderText, ShaderVariant, ShadingVariant, SunlitLayers, TargetColor,
     TracksVariant, TruthLayers, UpscaleVariant, VertexForm,
 };
-use terrella::internals::plan::{AirSide, LightEffect, LightEffects};
+use terrella::internals::plan::{AirSide, DetailScales, LightEffect, LightEffects};
 use terrella_files::parallel;
 
 /// A legal variant of any shader, validated.
@@ -218,6 +218,7 @@ const LAYERS: SunlitLayers = SunlitLayers {
     eclipse: true,
     interpolated: false,
     open_sea: false,
+    scales: DetailScales::Both,
     air: Some(AirSide::Outside),
 };
 
@@ -366,6 +367,28 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
             ),
             all(SunlitLayers {
                 effects: EFFECTS.without(LightEffect::Detail),
+                ..LAYERS
+            }),
+        ),
+        (
+            ["COARSE_TILES", "FINE_TILES"],
+            sunlit(
+                BLOCKS,
+                SunlitLayers {
+                    effects: LightEffects::of(&[LightEffect::Detail]),
+                    ..none
+                },
+            ),
+            all(SunlitLayers {
+                scales: DetailScales::None,
+                ..LAYERS
+            }),
+        ),
+        (
+            ["FINE_TURN *", "FINE_TILES"],
+            sunlit(BLOCKS, LAYERS),
+            all(SunlitLayers {
+                scales: DetailScales::Coarse,
                 ..LAYERS
             }),
         ),

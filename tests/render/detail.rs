@@ -3,7 +3,9 @@
 use crate::common::{Rig, down, plain};
 use glam::DVec3;
 use terrella::frames::Geodetic;
-use terrella::{Atmosphere, EarthLayers, EarthOptions, EyeView, LayerImage, SurfaceLight};
+use terrella::{
+    Atmosphere, EarthLayers, EarthOptions, EyeView, LayerImage, Pipelines, SurfaceLight,
+};
 
 const SIZE: (u32, u32) = (96, 96);
 
@@ -158,4 +160,26 @@ fn tops_of_clouds_are_soft() {
         spread(&shading)
     );
     assert!((mean(&shading) - 1.0).abs() < 0.1, "{}", mean(&shading));
+}
+
+#[test]
+fn scales_that_no_pixel_shows_change_nothing() {
+    // Texels are 20 km, and fine detail ends at 4 km: with 7 km pixels it is left out, with 30 km pixels all detail is.
+    for height_m in [4e5, 1.2e6, 5e6] {
+        let view = from(height_m, 30.0);
+        let drawn = |pipelines| {
+            let options = EarthOptions {
+                pipelines,
+                ..options(Only::Clouds, true)
+            };
+            Rig::of_light(&options, SIZE).draw_light(&view, DVec3::X)
+        };
+        let [all, shown] = [Pipelines::AtOnce, Pipelines::WhenNeeded].map(drawn);
+        for (all, shown) in all.iter().zip(&shown) {
+            for (all, shown) in all.iter().zip(shown) {
+                let off = (all - shown).abs();
+                assert!(off <= 2e-3 * all.abs(), "{height_m} m: {all} {shown}");
+            }
+        }
+    }
 }

@@ -18,8 +18,8 @@ const COMPILED_IN: Option<&[u8]> = Some(include_bytes!("../data/detail_tile.jpg"
 #[cfg(not(any(test, feature = "detail-tile")))]
 const COMPILED_IN: Option<&[u8]> = None;
 
-/// Edge of the tile, texels.
-const SIZE: (u32, u32) = (1024, 1024);
+/// Side of the tile, texels.
+pub const DETAIL_TILE_SIDE: u32 = 1024;
 
 /// The tile of [`supply_detail_tile`].
 static SUPPLIED: OnceLock<LayerImage> = OnceLock::new();
@@ -72,7 +72,7 @@ pub fn supply_detail_tile(jpeg: &[u8]) -> Result<(), DetailTileError> {
 fn decoded(jpeg: &[u8]) -> Result<LayerImage, String> {
     let picture = Picture::open(FileKind::Jpeg, jpeg)?;
     let ((width, height), kind) = (picture.size(), picture.texel_kind());
-    if ((width, height), kind) != (SIZE, TexelKind::grey(8)) {
+    if ((width, height), kind) != ((DETAIL_TILE_SIDE, DETAIL_TILE_SIDE), TexelKind::grey(8)) {
         return Err(format!("it has {width} × {height} texels of {kind}"));
     }
     let values = mips::chain(

@@ -72,7 +72,8 @@ pub use cities::{
     MAX_PLACES, PLACES_FILE, Place, PlacesError, read_places,
 };
 pub use detail_tile::{
-    DETAIL_MEAN, DETAIL_SLOPE_STEP, DETAIL_STEP, DetailTileError, detail_tile, supply_detail_tile,
+    DETAIL_MEAN, DETAIL_SLOPE_STEP, DETAIL_STEP, DETAIL_TILE_SIDE, DetailTileError, detail_tile,
+    supply_detail_tile,
 };
 pub use error::ImageryError;
 pub use find::{TEXTURES_VARIABLE, find_textures};

@@ -4,18 +4,19 @@
 // The tile covers the six sides of a cube around the Earth, a whole number of times each, and its border is made so that neither tiles nor sides
 // have seams (crates/terrella-imagery/src/detail_tile.rs).
 import earth/shading/uneven.wgsl;
-import rust::{DETAIL_MEAN, DETAIL_SLOPE_STEP, DETAIL_STEP, LAST_CODE, PI};
+import rust::{DETAIL_MEAN, DETAIL_STEP, EMPTY_LEVEL, LAST_CODE, PI};
+@if(coarse_scale) import rust::DETAIL_SLOPE_STEP;
+@if(fine_scale) import rust::FINE_TILES;
 
 @group(0) @binding(13) var detail_tile: texture_2d<f32>;
 @group(0) @binding(14) var detail_sampler: sampler;
 
-// Number of tiles along an edge of the cube, 10 000 km: even, so that an edge ends with a tile. Their texels are 0.8 km and 49 m.
-const COARSE_TILES: f32 = 12.0;
-const FINE_TILES: f32 = 198.0;
+// Number of tiles of the coarse scale along an edge of the cube, 10 000 km: even, so that an edge ends with a tile. Their texels are 0.8 km.
+@if(coarse_scale) const COARSE_TILES: f32 = 12.0;
 // Strength of the fine scale, relative to the coarse one.
-const FINE_STRENGTH: f32 = 0.6;
+@if(fine_scale) const FINE_STRENGTH: f32 = 0.6;
 // Rotation of the cube of the fine scale, so that the two never repeat together: by 48° about (1, 2, 3).
-const FINE_TURN: mat3x3f = mat3x3f(
+@if(fine_scale) const FINE_TURN: mat3x3f = mat3x3f(
     vec3f(0.692764, 0.643108, -0.326327), vec3f(-0.548574, 0.763665, 0.340415), vec3f(0.468128, -0.056813, 0.881832));
 // Wavelength of the tile's middle scale, texels.
 const MIDDLE_WAVE: f32 = 12.0;
@@ -23,8 +24,8 @@ const MIDDLE_WAVE: f32 = 12.0;
 const LEAST_PIXEL: f32 = 0.4;
 // A mip level is blended with the next one over this fraction of the distance between them: most pixels read one level only.
 const BLENDED: f32 = 0.25;
-// The tile's variance at a mip level falls from 1 to 0 between levels 0 and this one, that of smoothed values between these two. A test measures it.
-const EMPTY_LEVEL: f32 = 6.3;
+// The tile's variance at a mip level falls from 1 to 0 between levels 0 and EMPTY_LEVEL, that of smoothed values between these two. A test measures
+// it.
 const SOFT_LEVELS: vec2f = vec2f(-2.7, 4.0);
 
 // Structures at a place, their values smoothed over four pixels, and the change of the latter along the ground, per equatorial radius.
@@ -35,13 +36,19 @@ struct Flanked {
 }
 
 // At a normal of the ellipsoid, for a map with texels of this size, in pixels of that size, equatorial radii. Scales shown by the map or smaller
-// than a pixel are left out.
+// than a pixel are left out; scales that no pixel of a frame can show, from the shader (src/plan/detail_scales.rs).
+@if(coarse_scale)
 fn structure(up: vec3f, texel: f32, pixel: f32) -> Detail {
     let shown = shown_detail(texel, pixel);
     if shown == 0.0 { return Detail(0.0, 0.0); }
     return faded(with_finer(structure_of_size(up, COARSE_TILES, texel, pixel), up, texel, pixel), shown);
 }
+@else
+fn structure(up: vec3f, texel: f32, pixel: f32) -> Detail {
+    return Detail(0.0, 0.0);
+}
 
+@if(coarse_scale)
 fn flanked_structure(up: vec3f, texel: f32, pixel: f32) -> Flanked {
     var out: Flanked;
     let shown = shown_detail(texel, pixel);
@@ -54,13 +61,22 @@ fn flanked_structure(up: vec3f, texel: f32, pixel: f32) -> Flanked {
     out.change = along_ground(up, per_texel * texels_per_side(scale.tiles) * exp2(-scale.level));
     return out;
 }
+@else
+fn flanked_structure(up: vec3f, texel: f32, pixel: f32) -> Flanked {
+    return Flanked(Detail(0.0, 0.0), Detail(0.0, 0.0), vec3f(0.0));
+}
 
 // Only the larger scale, smoothed.
+@if(coarse_scale)
 fn soft_structure(up: vec3f, texel: f32, pixel: f32) -> Detail {
     let shown = shown_detail(texel, pixel);
     if shown == 0.0 { return Detail(0.0, 0.0); }
     let scale = scale_at(COARSE_TILES, texel, pixel);
     return faded(soft_of(sample_tile(up, scale), scale), shown);
+}
+@else
+fn soft_structure(up: vec3f, texel: f32, pixel: f32) -> Detail {
+    return Detail(0.0, 0.0);
 }
 
 fn structure_of_size(up: vec3f, tiles: f32, texel: f32, pixel: f32) -> Detail {
@@ -69,11 +85,16 @@ fn structure_of_size(up: vec3f, tiles: f32, texel: f32, pixel: f32) -> Detail {
 }
 
 // With the finer scale, where pixels are small enough to show it.
+@if(fine_scale)
 fn with_finer(coarse: Detail, up: vec3f, texel: f32, pixel: f32) -> Detail {
     let scale = scale_at(FINE_TILES, texel, pixel);
     if scale.level >= EMPTY_LEVEL { return coarse; }
     let fine = value_of(sample_tile(FINE_TURN * up, scale), scale);
     return Detail(coarse.value + FINE_STRENGTH * fine.value, coarse.variance + FINE_STRENGTH * FINE_STRENGTH * fine.variance);
+}
+@else
+fn with_finer(coarse: Detail, up: vec3f, texel: f32, pixel: f32) -> Detail {
+    return coarse;
 }
 
 fn shown_detail(texel: f32, pixel: f32) -> f32 {

@@ -2,7 +2,8 @@
 
 use super::capability::ShaderCapability;
 use super::variant::{SWITCH, ShaderVariant, TargetColor};
-use crate::plan::{AirSide, LightEffect, LightEffects};
+use super::vertex_form::VertexForm;
+use crate::plan::{AirSide, DetailScales, LightEffect, LightEffects};
 
 /// Variant of the surface's shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -13,47 +14,6 @@ pub struct EarthVariant {
     pub output: EarthOutput,
     /// Whether blocks with tiles may be cut into parts, each with its own tiles.
     pub parts: bool,
-}
-
-/// Form of the surface's mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum VertexForm {
-    /// The block sphere on the ellipsoid; with `tiles`, each block has its own tiles.
-    BlockLattice {
-        /// Whether blocks have tiles.
-        tiles: bool,
-    },
-    /// Patches of terrain.
-    ReliefPatches(PatchTiles),
-    /// A grid whose vertices the GPU computes; its triangles span several blocks.
-    ProjectedGrid {
-        /// Whether blocks have tiles.
-        tiles: bool,
-    },
-    /// City lights as points over the block sphere.
-    CityPoints,
-    /// No mesh: the whole sky, for clouds overhead.
-    Sky,
-    /// A ring around the ground, for the clouds above its edge.
-    Limb,
-    /// Prisms behind whose faces rays are cast at pages of contours. Each lies in one block.
-    ContourPrisms {
-        /// Whether blocks have tiles.
-        tiles: bool,
-        /// Whether the pass has a depth buffer: the shader then writes the depth of each pixel.
-        writes_depth: bool,
-    },
-}
-
-/// Imagery of terrain patches.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum PatchTiles {
-    /// Whole maps.
-    None,
-    /// Tiles of the one block that each patch lies in.
-    OfOneBlock,
-    /// Tiles of each block that a patch overlaps.
-    OfSeveralBlocks,
 }
 
 /// Output of the surface's pixels.
@@ -97,6 +57,8 @@ pub struct SunlitLayers {
     pub interpolated: bool,
     /// Everything is deep water; the map of water is present.
     pub open_sea: bool,
+    /// The scales of synthetic detail that pixels can show, with [`LightEffect::Detail`].
+    pub scales: DetailScales,
     /// The side of the air that the eye is on; `None` without air.
     pub air: Option<AirSide>,
 }
@@ -194,6 +156,14 @@ impl EarthVariant {
         Some((land, open_sea))
     }
 
+    /// The variant for pixels that show only these scales of synthetic detail; `None` without any.
+    pub fn with_scales(self, scales: DetailScales) -> Option<Self> {
+        self.with_sunlit(|layers| {
+            let has_detail = layers.effects.has(LightEffect::Detail);
+            has_detail.then_some(SunlitLayers { scales, ..layers })
+        })
+    }
+
     /// The variant of city lights as points over ground of this variant; `None` if it has no such lights, has tiles, or has a mesh other than the
     /// block sphere.
     pub fn lights_as_points(self) -> Option<Self> {
@@ -286,42 +256,6 @@ impl EarthVariant {
     }
 }
 
-impl VertexForm {
-    /// All variants of the surface.
-    pub fn all() -> Vec<Self> {
-        let mut all = Vec::new();
-        for tiles in SWITCH {
-            all.push(Self::BlockLattice { tiles });
-            all.push(Self::ProjectedGrid { tiles });
-            all.extend(SWITCH.map(|writes_depth| Self::ContourPrisms {
-                tiles,
-                writes_depth,
-            }));
-        }
-        use PatchTiles::{None, OfOneBlock, OfSeveralBlocks};
-        all.extend([None, OfOneBlock, OfSeveralBlocks].map(Self::ReliefPatches));
-        all
-    }
-
-    /// Whether blocks have tiles.
-    pub fn has_tiles(self) -> bool {
-        match self {
-            Self::BlockLattice { tiles } | Self::ProjectedGrid { tiles } => tiles,
-            Self::ContourPrisms { tiles, .. } => tiles,
-            Self::ReliefPatches(tiles) => tiles != PatchTiles::None,
-            Self::CityPoints | Self::Sky | Self::Limb => false,
-        }
-    }
-
-    /// Whether triangles that span several blocks are drawn with the tiles of each.
-    pub fn has_per_block_tiles(self) -> bool {
-        matches!(
-            self,
-            Self::ReliefPatches(PatchTiles::OfSeveralBlocks) | Self::ProjectedGrid { tiles: true }
-        )
-    }
-}
-
 impl EarthOutput {
     /// All of them. Independent parts are not combined exhaustively.
     pub fn all() -> Vec<Self> {
@@ -339,6 +273,7 @@ impl EarthOutput {
                 eclipse: on(bits, 4),
                 interpolated: false,
                 open_sea: false,
+                scales: DetailScales::Both,
                 effects: (5..)
                     .zip(effects)
                     .filter(|(bit, _)| on(bits, *bit))
@@ -475,8 +410,16 @@ impl ShaderVariant for EarthVariant {
         beside.extend(at_limb);
         beside.sort_unstable();
         beside.dedup();
-        let all = all.into_iter().chain(interpolated);
-        let all = all.chain(open_sea).chain(below_points).chain(city_lights);
+        let all: Vec<_> = all.into_iter().chain(interpolated).collect();
+        // Scales of detail interact with maps: the variants with these are enough.
+        let has_maps = |layers: &SunlitLayers| layers.clouds && layers.normals && layers.water;
+        let with_maps = |v: &Self| v.with_sunlit(|layers| Some(layers).filter(has_maps));
+        let with_maps: Vec<_> = all.iter().filter_map(with_maps).collect();
+        let few_scales = [DetailScales::Coarse, DetailScales::None].into_iter();
+        let few_scales = few_scales
+            .flat_map(|scales| with_maps.iter().filter_map(move |v| v.with_scales(scales)));
+        let all = all.into_iter().chain(few_scales).chain(open_sea);
+        let all = all.chain(below_points).chain(city_lights);
         all.chain(beside).collect()
     }
 
@@ -514,6 +457,7 @@ impl ShaderVariant for EarthVariant {
         let is_paper = matches!(shading, Some(ShadingVariant::Paper(_)));
         let is_sunlit = matches!(shading, Some(ShadingVariant::Sunlit(_)));
         let is_truth = matches!(self.output, EarthOutput::Truth(_));
+        let has_detail = layers.effects.has(LightEffect::Detail);
         let mut conditions = vec![
             ("blocks", matches!(form, Form::BlockLattice { .. })),
             ("patches", matches!(form, Form::ReliefPatches(_))),
@@ -562,6 +506,14 @@ impl ShaderVariant for EarthVariant {
             ("eclipse", layers.eclipse),
             ("interpolated", layers.interpolated),
             ("open_sea", layers.open_sea),
+            (
+                "coarse_scale",
+                has_detail && layers.scales != DetailScales::None,
+            ),
+            (
+                "fine_scale",
+                has_detail && layers.scales == DetailScales::Both,
+            ),
             ("air", layers.air.is_some()),
             ("inside", layers.air == Some(AirSide::Inside)),
             // The paper's display values, for a target that stores something else.

@@ -41,6 +41,7 @@ mod tracks;
 mod upscale;
 mod value;
 mod variant;
+mod vertex_form;
 
 pub use air::{AirVariant, AirViewVariant, GlowVariant};
 pub use assemble::ShaderText;
@@ -49,14 +50,14 @@ pub use capability::ShaderCapability;
 pub use celestial::{CelestialKind, CelestialVariant};
 pub use develop::DevelopVariant;
 pub use earth::{
-    EarthOutput, EarthVariant, PaperLayers, PatchTiles, ShadingVariant, SunlitLayers, TruthLayers,
-    VertexForm,
+    EarthOutput, EarthVariant, PaperLayers, ShadingVariant, SunlitLayers, TruthLayers,
 };
 pub use files::{FILES as SHADER_FILES, ShaderError, ShaderFiles};
 pub use map_fade::MapFadeVariant;
 pub use tracks::{TrackKind, TracksVariant};
 pub use upscale::UpscaleVariant;
 pub use variant::{ShaderVariant, TargetColor};
+pub use vertex_form::{PatchTiles, VertexForm};
 
 pub(super) use variant::ShaderModule;
 
