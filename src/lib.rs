@@ -100,6 +100,7 @@
 //! | [`frames`] | ellipsoid, time scales, Earth rotation, Sun; f64 | anything below |
 //! | `orbit` | readers and propagators: a state at an epoch | GPU |
 //! | `basilisk` | Basilisk simulations: sockets, messages and files, and their recorded state | GPU |
+//! | `step` | the smooth step | GPU, files |
 //! | `height` | elevation ranges, and statistics of streamed elevation data | GPU, files |
 //! | `elevation` | elevation data: grids, their pyramids, readers | GPU |
 //! | `globe` | the block sphere and the terrain surfaces: vertices, culling, level of detail | GPU, files |
