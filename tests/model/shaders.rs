@@ -251,6 +251,13 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
     let everything = VertexForm::ReliefPatches(PatchTiles::OfOneBlock);
     let tiles = VertexForm::BlockLattice { tiles: true };
     let all = |without: SunlitLayers| sunlit(everything, without);
+    let detail_alone = sunlit(
+        BLOCKS,
+        SunlitLayers {
+            effects: LightEffects::of(&[LightEffect::Detail]),
+            ..none
+        },
+    );
     let cases = [
         (
             ["cloud_map", "cover_at"],
@@ -358,13 +365,7 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
         ),
         (
             ["detail_tile", "uneven"],
-            sunlit(
-                BLOCKS,
-                SunlitLayers {
-                    effects: LightEffects::of(&[LightEffect::Detail]),
-                    ..none
-                },
-            ),
+            detail_alone,
             all(SunlitLayers {
                 effects: EFFECTS.without(LightEffect::Detail),
                 ..LAYERS
@@ -372,13 +373,7 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
         ),
         (
             ["COARSE_TILES", "FINE_TILES"],
-            sunlit(
-                BLOCKS,
-                SunlitLayers {
-                    effects: LightEffects::of(&[LightEffect::Detail]),
-                    ..none
-                },
-            ),
+            detail_alone,
             all(SunlitLayers {
                 scales: DetailScales::None,
                 ..LAYERS
