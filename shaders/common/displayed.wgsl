@@ -19,7 +19,7 @@ fn displayed(light: vec3f, exposure: f32, pixel: vec2f) -> vec3f {
 fn stored(shown: vec3f, pixel: vec2f) -> vec3f {
     @if(!shown) return shown;
     @if(encode) return encoded(shown) + dither(pixel);
-    @if(shown && !encode) return encoded(shown) + dither(pixel) * linear_per_code(shown);
+    @if(shown && !encode) return shown + dither(pixel) * linear_per_code(shown);
 }
 
 // The same without dithering: for what is blended into dithered pixels.

@@ -5,7 +5,7 @@ import rust::{CLOUDS, PI};
 // Where the ray from the eye to a place crosses the clouds' layer.
 fn lifted_before(at: SurfacePoint) -> Lifted {
     let to_eye = normalize(at.to_eye);
-    return lifted(at, to_eye, max(dot(to_eye, at.up), 0.0), surface_light.cloud_height);
+    return lifted(at, to_eye, max(dot(to_eye, at.up), 0.0));
 }
 
 fn cover_at(at: SurfacePoint, lift: Lifted) -> f32 {
@@ -54,11 +54,16 @@ fn moved(at: SurfacePoint, lift: Lifted, step: vec3f) -> Lifted {
     return Lifted(normalize(lift.up + step), lift.uv + vec2f(0.5 * east, -dot(at.north, step)) / PI);
 }
 
-// Where the ray from `at` in a direction at this cosine to the vertical reaches the height, equatorial radii. The Earth is approximated by a
-// sphere: a height of 10 km is displaced by 30 m at most.
-fn lifted(at: SurfacePoint, towards: vec3f, cosine: f32, height: f32) -> Lifted {
-    // (1 + h)² = 1 + 2 s cos + s² without cancellation.
-    let above = height * (2.0 + height);
+// How far the layer is above the ground, as `frame.above` for the eye: (1 + h)² − 1 without cancellation.
+fn clouds_above() -> f32 {
+    return surface_light.cloud_height * (2.0 + surface_light.cloud_height);
+}
+
+// Where the ray from `at` in a direction at this cosine to the vertical crosses the clouds' layer. The Earth is approximated by a sphere: a layer
+// at 10 km is displaced by 30 m at most.
+fn lifted(at: SurfacePoint, towards: vec3f, cosine: f32) -> Lifted {
+    // (1 + h)² = 1 + 2 s cos + s².
+    let above = clouds_above();
     let s = above / (sqrt(cosine * cosine + above) + cosine);
     let east = s * dot(at.east, towards);
     let north = s * dot(at.north, towards);

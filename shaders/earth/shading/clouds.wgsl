@@ -28,11 +28,6 @@ fn scaled_thickness(albedo: f32) -> f32 {
     return 1.85 * x;
 }
 
-// How far the layer is above the ground, as `frame.above` for the eye: (1 + h)² − 1 without cancellation.
-fn clouds_above() -> f32 {
-    return surface_light.cloud_height * (2.0 + surface_light.cloud_height);
-}
-
 // The clouds in front of a place on the ground.
 struct CloudsBefore {
     cover: f32,
@@ -162,7 +157,7 @@ fn top_with_detail(mapped: f32, soft: Detail) -> f32 {
 // Light on the ground below clouds: the cover where the ray to the Sun leaves their layer casts a shadow.
 @if(cloud_shadows)
 fn below_clouds(at: SurfacePoint, light: Light, sun: vec3f, mu_s: f32) -> Light {
-    let lift = lifted(at, sun, max(mu_s, LOWEST_SHADOW), surface_light.cloud_height);
+    let lift = lifted(at, sun, max(mu_s, LOWEST_SHADOW));
     let albedo = CLOUD_ALBEDO * soft_cover_at(at, lift);
     let left = 1.0 - sunlit_albedo(albedo, max(mu_s, LOWEST_SHADOW));
     // Transmitted light is spread over the sky, half of which is affected.
