@@ -45,6 +45,10 @@ impl GroundDriver {
         match *self {}
     }
 
+    pub fn highest_m(&self) -> f64 {
+        match *self {}
+    }
+
     pub fn list_draws(&mut self, _: &Ellipsoid, _: Option<BlockSet>, _: &mut Vec<SurfaceDraw>) {
         match *self {}
     }

@@ -30,9 +30,6 @@ use terrella_ground::light::{Grade, Tone, exposure_factor};
 use terrella_imagery::tile::MapLayer;
 use terrella_imagery::{GroundKinds, MOST_PIXEL_M};
 
-/// Terrain is lower than this above the ellipsoid, metres.
-const HIGHEST_GROUND_M: f64 = 1e4;
-
 /// Turns the views of one eye into frame plans.
 pub(super) struct Planner {
     meshes: Meshes,
@@ -222,9 +219,6 @@ impl Planner {
         let exposure = exposure_factor(stats.exposure_ev) as f32;
         plan.clear();
         plan.eye_itrf_m = view.eye_itrf_m;
-        let highest_m = self.ground.as_ref().map_or(0.0, |_| HIGHEST_GROUND_M);
-        let nearest_m = (eye.height_m - highest_m).max(0.0);
-        plan.least_pixel = view.least_pixel_rad() * nearest_m / ellipsoid.equatorial_radius_m;
         match &mut self.ground {
             Some(ground) => {
                 stats.ground = ground.plan(self.meshes.grid(), view, &mut plan.blocks);
@@ -233,6 +227,9 @@ impl Planner {
             }
             None => self.plan_blocks(view, plan, &mut stats),
         }
+        let highest_m = self.ground.as_ref().map_or(0.0, GroundDriver::highest_m);
+        let nearest_m = (eye.height_m - highest_m).max(0.0);
+        plan.least_pixel = view.least_pixel_rad() * nearest_m / ellipsoid.equatorial_radius_m;
         stats.blocks_drawn = plan.blocks.len() as u32;
         let grid = self.meshes.grid();
         for block in &plan.blocks {
