@@ -220,34 +220,33 @@ impl SurfaceDrawable {
         let at = self.situation(plan);
         let lights = plan.draws.iter().map(|draw| draw.light);
         let kinds = lights.map(|light| self.pipelines.kind_of(at, light, plan.has_moon_shadow));
-        let city_lights = self.city_lights_of(plan);
+        let city_lights = self.city_lights_of(at, plan);
         let points = self.city_lights.as_ref().filter(|_| city_lights.is_some());
         if !points.is_none_or(|points| points.are_ready(&plan.city_lights)) {
             return false;
         }
-        let clouds = self.clouds_beside_ground_of(plan);
+        let clouds = self.clouds_beside_ground_of(at, plan);
         let mut kinds = kinds.chain(city_lights).chain(clouds);
         kinds.all(|kind| self.pipelines.pass(at, kind).is_some() && view.group(at, kind).is_some())
     }
 
     /// The kind of draw for a plan's city lights, if it has any.
-    fn city_lights_of(&self, plan: &FramePlan) -> Option<PassKind> {
+    fn city_lights_of(&self, at: Situation, plan: &FramePlan) -> Option<PassKind> {
         let kind = PassKind::CityLights;
         let is_drawn = !plan.city_lights.is_empty()
             && self.city_lights.is_some()
-            && self.pipelines.has(self.situation(plan), kind);
+            && self.pipelines.has(at, kind);
         is_drawn.then_some(kind)
     }
 
     /// The kind of draw for clouds beside the ground, if the plan has any.
-    fn clouds_beside_ground_of(&self, plan: &FramePlan) -> Option<PassKind> {
+    fn clouds_beside_ground_of(&self, at: Situation, plan: &FramePlan) -> Option<PassKind> {
         let kind = match plan {
             plan if plan.is_below_clouds => PassKind::CloudsOverhead,
             plan if !plan.has_clouds_at_limb => return None,
             plan if plan.has_moon_shadow => PassKind::EclipsedCloudsAtLimb,
             _ => PassKind::CloudsAtLimb,
         };
-        let at = self.situation(plan);
         let kinds = [Some(kind), kind.instead()];
         kinds
             .into_iter()
@@ -269,12 +268,14 @@ impl SurfaceDrawable {
             draws.any(|draw| draw.light == *light)
         });
         let kinds = kinds.map(|light| self.pipelines.kind_of(at, light, plan.has_moon_shadow));
-        let city_lights = self.city_lights_of(plan);
+        let city_lights = self.city_lights_of(at, plan);
         if let Some(points) = self.city_lights.as_mut().filter(|_| city_lights.is_some()) {
             points.make_ready(device, &plan.city_lights);
         }
         let kinds = kinds.chain(city_lights);
-        let wanted: Vec<_> = kinds.chain(self.clouds_beside_ground_of(plan)).collect();
+        let wanted: Vec<_> = kinds
+            .chain(self.clouds_beside_ground_of(at, plan))
+            .collect();
         let maker = self.maker(view);
         let missing = wanted.iter().map(|kind| (at, *kind));
         self.pipelines
@@ -362,7 +363,7 @@ impl SurfaceDrawable {
             Imagery::Whole(maps) => {
                 pass.set_bind_group(1, maps, &[]);
                 mesh.render(pass, plan, &mut |pass, draw| by_light(pass, draw.light));
-                self.render_city_lights(pass, view, plan);
+                self.render_city_lights(pass, at, view, plan);
             }
             Imagery::Tiles { tiles, whole } => mesh.render(pass, plan, &mut |pass, draw| {
                 by_light(pass, draw.light);
@@ -404,7 +405,7 @@ impl SurfaceDrawable {
         vertices: u32,
     ) {
         let at = self.situation(plan);
-        let drawn = self.clouds_beside_ground_of(plan).and_then(|kind| {
+        let drawn = self.clouds_beside_ground_of(at, plan).and_then(|kind| {
             let pass = self.pipelines.pass(at, kind)?;
             Some((pass, view.group(at, kind)?))
         });
@@ -421,11 +422,11 @@ impl SurfaceDrawable {
     fn render_city_lights(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
+        at: Situation,
         view: &SurfaceView,
         plan: &FramePlan,
     ) {
-        let at = self.situation(plan);
-        let drawn = self.city_lights_of(plan).and_then(|kind| {
+        let drawn = self.city_lights_of(at, plan).and_then(|kind| {
             let pass = self.pipelines.pass(at, kind)?;
             Some((pass, view.group(at, kind)?, self.city_lights.as_ref()?))
         });
