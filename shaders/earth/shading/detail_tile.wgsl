@@ -1,8 +1,8 @@
 // Synthetic detail of clouds and land below the maps' texel size: a tile of the fine structure of a cloud map, at two scales. It is fixed to the
 // ground. Its mip levels let each scale fade in as pixels become small enough to show it.
 //
-// The tile covers the six sides of a cube around the Earth, a whole number of times each, and its border is made so that neither tiles nor sides
-// have seams (crates/terrella-imagery/src/detail_tile.rs).
+// The tile covers the six sides of a cube around the Earth and repeats on each of them. Sides do not match along the cube's edges: there the
+// structures fade out.
 import earth/shading/uneven.wgsl;
 import rust::{DETAIL_MEAN, DETAIL_STEP, EMPTY_LEVEL, LAST_CODE, PI};
 @if(coarse_scale) import rust::DETAIL_SLOPE_STEP;
@@ -11,7 +11,7 @@ import rust::{DETAIL_MEAN, DETAIL_STEP, EMPTY_LEVEL, LAST_CODE, PI};
 @group(0) @binding(13) var detail_tile: texture_2d<f32>;
 @group(0) @binding(14) var detail_sampler: sampler;
 
-// Number of tiles of the coarse scale along an edge of the cube, 10 000 km: even, so that an edge ends with a tile. Their texels are 0.8 km.
+// Number of tiles of the coarse scale along an edge of the cube, 10 000 km. Their texels are 0.8 km.
 @if(coarse_scale) const COARSE_TILES: f32 = 12.0;
 // Strength of the fine scale, relative to the coarse one.
 @if(fine_scale) const FINE_STRENGTH: f32 = 0.6;
@@ -22,6 +22,8 @@ import rust::{DETAIL_MEAN, DETAIL_STEP, EMPTY_LEVEL, LAST_CODE, PI};
 const MIDDLE_WAVE: f32 = 12.0;
 // Pixels as large as a map's texel show no detail, those of this fraction all of it.
 const LEAST_PIXEL: f32 = 0.4;
+// Distance from an edge of the cube over which structures fade out, texels.
+const EDGE_TEXELS: f32 = 10.0;
 // A mip level is blended with the next one over this fraction of the distance between them: most pixels read one level only.
 const BLENDED: f32 = 0.25;
 // The tile's variance at a mip level falls from 1 to 0 between levels 0 and EMPTY_LEVEL, that of smoothed values between these two. A test measures
@@ -126,7 +128,10 @@ fn texels_per_side(tiles: f32) -> f32 {
 }
 
 fn sample_tile(up: vec3f, scale: Scale) -> vec4f {
-    return textureSampleLevel(detail_tile, detail_sampler, 0.5 * scale.tiles * on_cube(up), scale.level);
+    let sides = sides(up);
+    let read = textureSampleLevel(detail_tile, detail_sampler, 0.5 * scale.tiles * on_cube(up, sides), scale.level);
+    let from_edge = edge_distance(sides) * texels_per_side(scale.tiles);
+    return mix(vec4f(DETAIL_MEAN / LAST_CODE), read, smoothstep(0.0, EDGE_TEXELS, from_edge));
 }
 
 fn value_of(read: vec4f, scale: Scale) -> Detail {
@@ -142,38 +147,53 @@ fn detail_of(channel: f32, weight: f32, variance: f32) -> Detail {
     return Detail(weight * DETAIL_STEP * (LAST_CODE * channel - DETAIL_MEAN), weight * weight * variance);
 }
 
-// Coordinates of a direction on the sides of a cube, −1…1 each, in steps of nearly equal angles: (4/π)·atan by its first terms, exact at the edges.
-fn on_cube(direction: vec3f) -> vec2f {
-    let size = abs(direction);
-    var at = direction.xy / size.z;
-    if size.x >= max(size.y, size.z) {
-        at = direction.yz / size.x;
-    } else if size.y >= size.z {
-        at = direction.xz / size.y;
+// Absolute values of a direction's components, by which a side of the cube is chosen. They are uneven, so that sides meet along ragged lines and not
+// along great circles, which would be seen: within some 20 km, in zigzags 150 and 35 km long.
+fn sides(direction: vec3f) -> vec3f {
+    let aside = 0.0025 * zigzag(dot(direction, vec3f(31.0, 37.0, 43.0))) + 0.0008 * zigzag(dot(direction, vec3f(157.0, -163.0, 193.0)));
+    return abs(direction) + vec3f(aside, 0.0, -aside);
+}
+
+fn zigzag(x: f32) -> f32 {
+    return 4.0 * abs(fract(x) - 0.5) - 1.0;
+}
+
+// Coordinates of a direction on a side of the cube, −1…1 each, in steps of nearly equal angles: (4/π)·atan by its first terms, exact at the edges.
+// Axes are taken in turn, so that no side shows the reflection of the one beside it.
+fn on_cube(direction: vec3f, sides: vec3f) -> vec2f {
+    var at = direction.xy / direction.z;
+    if sides.x >= max(sides.y, sides.z) {
+        at = direction.yz / direction.x;
+    } else if sides.y >= sides.z {
+        at = direction.zx / direction.y;
     }
     let square = at * at;
     return at * (1.2732 + square * (-0.3902 + 0.117 * square));
 }
 
+// Distance from the nearest edge of the side in the same coordinates, near the edge: within a fifth.
+fn edge_distance(sides: vec3f) -> f32 {
+    let most = max(sides.x, max(sides.y, sides.z));
+    let least = min(sides.x, min(sides.y, sides.z));
+    return 2.0 * most + least - (sides.x + sides.y + sides.z);
+}
+
 // Gradient on the unit sphere of a quantity that changes this much along the coordinates of `on_cube`.
 fn along_ground(direction: vec3f, change: vec2f) -> vec3f {
-    let size = abs(direction);
-    if size.x >= max(size.y, size.z) {
-        let along = along_side(direction.yz, size.x, change);
-        return vec3f(along.z * sign(direction.x), along.xy);
+    let sides = sides(direction);
+    if sides.x >= max(sides.y, sides.z) {
+        return along_side(direction.yz, direction.x, change).zxy;
     }
-    if size.y >= size.z {
-        let along = along_side(direction.xz, size.y, change);
-        return vec3f(along.x, along.z * sign(direction.y), along.y);
+    if sides.y >= sides.z {
+        return along_side(direction.zx, direction.y, change).yzx;
     }
-    let along = along_side(direction.xy, size.z, change);
-    return vec3f(along.xy, along.z * sign(direction.z));
+    return along_side(direction.xy, direction.z, change);
 }
 
 // The same along the axes of a side, and away from it.
-fn along_side(beside: vec2f, size: f32, change: vec2f) -> vec3f {
-    let at = beside / size;
+fn along_side(beside: vec2f, away: f32, change: vec2f) -> vec3f {
+    let at = beside / away;
     let square = at * at;
     let steeper = change * (1.2732 + square * (-1.1706 + 0.585 * square));
-    return vec3f(steeper, -dot(at, steeper)) / size;
+    return vec3f(steeper, -dot(at, steeper)) / away;
 }

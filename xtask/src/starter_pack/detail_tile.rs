@@ -1,6 +1,6 @@
 //! Cloud detail smaller than the cloud map's texels: a tile of the map's own structures, without the weather patterns.
 //!
-//! The tile repeats without a seam, also on the six sides of a cube around the Earth: its first row equals its first column, and is symmetric.
+//! The tile repeats without a seam.
 
 use super::map::Map;
 use super::plane::Plane;
@@ -12,8 +12,6 @@ use image::codecs::jpeg::JpegEncoder;
 const SIDE: usize = 1024;
 /// Texels over which the tile's end blends into its beginning.
 const OVERLAP: usize = 160;
-/// Texels over which it blends into its first row and column.
-const MARGIN: usize = 10;
 /// Structures larger than about three times this belong to the weather, texels.
 const WEATHER: usize = 14;
 /// Radius within which the tile's contrast is equalized, texels.
@@ -54,8 +52,7 @@ fn tile(map: &Plane) -> Plane {
     for other in others {
         detail = detail.filled_with(&other);
     }
-    let repeating = standardised(repeating(&detail.values));
-    with_even_border(&repeating)
+    standardised(repeating(&detail.values))
 }
 
 /// Detail of a part of the map, and its presence, 0…1.
@@ -149,45 +146,9 @@ fn standardised(plane: Plane) -> Plane {
     plane.with(plane.values.iter().map(|v| (v - mean) * scale).collect())
 }
 
-/// The tile with an equal, symmetric first row and column.
-fn with_even_border(plane: &Plane) -> Plane {
-    let at = |x: usize, y: usize| plane.values[y * SIDE + x];
-    let border: Vec<f64> = (0..SIDE)
-        .map(|n| (at(0, n) + at(0, (SIDE - n) % SIDE)) * std::f64::consts::FRAC_1_SQRT_2)
-        .collect();
-    let weight = |n: usize| {
-        let t = (1.0 - n.min(SIDE - n) as f64 / MARGIN as f64).max(0.0);
-        t * t * (3.0 - 2.0 * t)
-    };
-    let values = (0..SIDE * SIDE).map(|n| {
-        let (x, y) = (n % SIDE, n / SIDE);
-        let (across, down) = (weight(x), weight(y));
-        at(x, y) + across * (border[y] - at(0, y)) + down * (border[x] - at(x, 0))
-            - across * down * (border[0] - at(0, 0))
-    });
-    plane.with(values.collect())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_border_is_the_same_along_all_sides() {
-        let value = |n: usize| ((n * 7919 + n / SIDE * 104_729) % 251) as f64 / 50.0 - 2.5;
-        let plane = Plane {
-            width: SIDE,
-            height: SIDE,
-            values: (0..SIDE * SIDE).map(value).collect(),
-        };
-        let tile = with_even_border(&plane);
-        let at = |x: usize, y: usize| tile.values[y * SIDE + x];
-        for n in 1..SIDE {
-            assert!((at(n, 0) - at(0, n)).abs() < 1e-12, "{n}");
-            assert!((at(0, n) - at(0, SIDE - n)).abs() < 1e-12, "{n}");
-        }
-        assert_eq!(at(500, 500), plane.values[500 * SIDE + 500]);
-    }
 
     #[test]
     fn the_end_passes_into_the_beginning() {
