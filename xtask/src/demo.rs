@@ -8,8 +8,10 @@ use anyhow::Context;
 use std::path::Path;
 use std::process::Command;
 
-/// The scene of the demonstration.
+/// The scene of image and window.
 const SCENE: &str = "config/iss.toml";
+/// The scene of the video.
+const FILM: &str = "config/revolution.toml";
 /// Paths of the image and the video, from the repository's root.
 const PICTURE: &str = "out/iss.png";
 const VIDEO: &str = "out/iss.mp4";
@@ -39,7 +41,7 @@ fn draw(
     std::fs::create_dir_all(root.join("out"))
         .with_context(|| format!("cannot make the folder {}", root.join("out").display()))?;
     process::run(command().args(["frame", SCENE, "-o", PICTURE]))?;
-    process::run(command().args(["play", SCENE, "--video", VIDEO]))?;
+    process::run(command().args(["play", FILM, "--video", VIDEO]))?;
     for file in [PICTURE, VIDEO] {
         let path = root.join(file);
         let size_bytes = std::fs::metadata(&path)
@@ -107,7 +109,7 @@ mod tests {
     }
 
     const FRAME: &str = "frame config/iss.toml -o out/iss.png";
-    const VIDEO_CALL: &str = "play config/iss.toml --video out/iss.mp4";
+    const VIDEO_CALL: &str = "play config/revolution.toml --video out/iss.mp4";
     const WRITES: &str = "echo x > out/iss.png; echo x > out/iss.mp4";
 
     #[test]
