@@ -12,6 +12,9 @@ pub enum EarthError {
     /// Subdivision outside 1…48.
     #[error(transparent)]
     Subdivision(#[from] SubdivisionError),
+    /// [`EarthOptions::anisotropy`](crate::EarthOptions::anisotropy) outside 1…16.
+    #[error("anisotropy is {0}; it must be from 1 to 16")]
+    Anisotropy(u16),
     /// Invalid terrain settings.
     #[cfg(feature = "terrain")]
     #[error(transparent)]

@@ -226,6 +226,9 @@ impl EarthOptions {
     pub(crate) fn check(&self, device: &wgpu::Device) -> Result<(), EarthError> {
         self.exposure.check().map_err(EarthError::Exposure)?;
         self.appearance().check()?;
+        if !(1..=16).contains(&self.anisotropy) {
+            return Err(EarthError::Anisotropy(self.anisotropy));
+        }
         let lines = wgpu::Features::POLYGON_MODE_LINE;
         if self.diagnostics.wireframe && !device.features().contains(lines) {
             return Err(EarthError::NoLines);

@@ -483,3 +483,18 @@ fn two_timed_passes_draw_the_same_picture_as_one() {
         assert!(times.iter().sum::<f64>() > 0.0, "{times:?}");
     }
 }
+
+#[test]
+fn anisotropy_outside_its_range_is_rejected() {
+    let gpu = gpu();
+    for (anisotropy, is_sound) in [(0, false), (1, true), (16, true), (17, false)] {
+        let options = EarthOptions {
+            anisotropy,
+            ..EarthOptions::new(layers())
+        };
+        let made = Earth::new(&gpu.device, &gpu.queue, &options);
+        let error = made.err().map(|error| error.to_string());
+        let expected = format!("anisotropy is {anisotropy}; it must be from 1 to 16");
+        assert_eq!(error, (!is_sound).then_some(expected));
+    }
+}
