@@ -96,11 +96,50 @@ impl ShaderFiles {
     }
 }
 
+#[cfg(not(target_arch = "wasm32"))]
+macro_rules! text {
+    ($path:expr) => {
+        include_str!($path)
+    };
+}
+
+/// Without comments: browsers load it.
+#[cfg(target_arch = "wasm32")]
+macro_rules! text {
+    ($path:expr) => {{
+        const TEXT: &str = include_str!($path);
+        const LENGTH: usize = without_comments::<{ TEXT.len() }>(TEXT).1;
+        const CODE: [u8; LENGTH] = without_comments(TEXT).0;
+        match std::str::from_utf8(&CODE) {
+            Ok(code) => code,
+            Err(_) => TEXT,
+        }
+    }};
+}
+
+/// WGSL without comments, and its length, for which there must be room. Lines keep their numbers.
+#[cfg(any(test, target_arch = "wasm32"))]
+const fn without_comments<const N: usize>(text: &str) -> ([u8; N], usize) {
+    let text = text.as_bytes();
+    let (mut code, mut length) = ([0; N], 0);
+    let (mut at, mut is_comment) = (0, false);
+    while at < text.len() {
+        let begins = text[at] == b'/' && at + 1 < text.len() && text[at + 1] == b'/';
+        is_comment = text[at] != b'\n' && (is_comment || begins);
+        if !is_comment {
+            code[length] = text[at];
+            length += 1;
+        }
+        at += 1;
+    }
+    (code, length)
+}
+
 macro_rules! files {
     ($($name:literal),* $(,)?) => {
         /// Name below `shaders/` and text of each shader file.
         pub const FILES: &[(&str, &str)] = &[
-            $(($name, include_str!(concat!("../../../shaders/", $name)))),*
+            $(($name, text!(concat!("../../../shaders/", $name)))),*
         ];
     };
 }
@@ -180,3 +219,21 @@ files![
     "tracks/polygons.wgsl",
     "upscale.wgsl",
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn comments_go_and_lines_stay() {
+        const TEXT: &str = "// Why.\nlet a = b / c; // ½\n\n    // So.\nlet d = 1;";
+        let (code, length) = without_comments::<{ TEXT.len() }>(TEXT);
+        assert_eq!(
+            std::str::from_utf8(&code[..length]),
+            Ok("\nlet a = b / c; \n\n    \nlet d = 1;")
+        );
+        for (name, text) in FILES {
+            assert!(!text.contains("/*"), "{name} has a comment of another kind");
+        }
+    }
+}
