@@ -4,7 +4,7 @@
 //! A grid of rays is cast at the ellipsoid. For a ray that hits the ground, the luminance is the coarse albedo there times the irradiance, plus an
 //! estimate of the inscattered light. For a ray that passes through the atmosphere beside the ground, it is that of the sky over its lowest point. At
 //! night, lamps and airglow are added. Rays into space have no weight. The mean luminance of the brightest [`BRIGHTEST`] of the weighted rays is
-//! displayed as [`SHOWN`].
+//! displayed as [`SHOWN`], or darker if it is dark.
 
 use super::Exposure;
 use crate::air::{AirTables, LUMINANCE};
@@ -21,6 +21,10 @@ pub const VIEW_RAYS: usize = (RAYS[0] * RAYS[1]) as usize;
 const BRIGHTEST: f64 = 0.1;
 /// Display light of that mean.
 const SHOWN: f64 = 0.7;
+/// Exposure up to which the mean is displayed as [`SHOWN`], EV, and the part of each further step that is exposed. A night is not shown as bright as
+/// a day: photographers, and models of the eye's adaptation (Krawczyk, Myszkowski and Seidel 2005), lower the target with the luminance.
+const FULL_EV: f64 = 1.0;
+const FURTHER: f64 = 0.5;
 /// Range of results, EV. Snow in full sunlight needs more than the minimum; the maximum shows airglow.
 const RANGE_EV: [f64; 2] = [-4.0, 6.0];
 /// Largest factor by which the airglow layer is brighter along it than from below, on one side of a
@@ -103,9 +107,9 @@ impl Meter {
         let Some(luminance) = mean_of_brightest(&mut seen, BRIGHTEST) else {
             return Exposure::DEFAULT_EV;
         };
-        (SHOWN / luminance.max(1e-9))
-            .log2()
-            .clamp(RANGE_EV[0], RANGE_EV[1])
+        let full = (SHOWN / luminance.max(1e-9)).log2();
+        let further = FURTHER * (full - FULL_EV).max(0.0);
+        (full.min(FULL_EV) + further).clamp(RANGE_EV[0], RANGE_EV[1])
     }
 
     /// Luminance along a ray of scaled space, and its weight.
@@ -314,7 +318,10 @@ mod tests {
     #[test]
     fn a_darker_earth_is_shown_brighter_within_limits() {
         let sun = DVec3::X;
-        assert!(ev(&meter(0.1), 4e5, sun) > ev(&meter(0.5), 4e5, sun) + 2.0);
+        assert!(ev(&meter(0.35), 4e5, sun) > ev(&meter(0.7), 4e5, sun) + 0.95);
+        // From here on, half of each step.
+        let [dark, darker] = [0.1, 0.05].map(|albedo| ev(&meter(albedo), 4e5, sun));
+        assert!((darker - dark - 0.5).abs() < 0.01, "{dark}, {darker}");
         assert_eq!(ev(&meter(0.5), 4e5, -sun), RANGE_EV[1]);
         assert_eq!(ev(&meter(1000.0), 4e5, sun), RANGE_EV[0]);
     }
@@ -323,9 +330,8 @@ mod tests {
     fn a_night_is_metered_by_its_moon() {
         let under = |moon| ev_under(&meter(0.35), 1e5, [(-DVec3::X, 1.0), (DVec3::X, moon)]);
         assert_eq!(under(0.0), RANGE_EV[1]);
-        // Half the light of the Sun.
-        let wanted = (0.7_f64 / 0.35).log2() + 1.0;
-        assert!((under(0.5) - wanted).abs() < 0.01, "{}", under(0.5));
+        // Half the light of the Sun, a step less than in `what_is_metered_is_shown_at_its_value`.
+        assert!((under(0.5) - 1.5).abs() < 0.01, "{}", under(0.5));
     }
 
     #[test]
@@ -346,7 +352,8 @@ mod tests {
             ev_with(meter, 4e5, [(sun, 1.0), (DVec3::ZERO, 0.0)], night)
         };
         let found = ev(&lit, -DVec3::X, night);
-        assert!((found - (0.7_f64 / 0.06).log2()).abs() < 0.01, "{found}");
+        // Fully exposed, it would be log₂(0.7/0.06) = 3.54.
+        assert!((found - 2.27).abs() < 0.01, "{found}");
         // By day lamps are off, and without a map there are none.
         assert_eq!(ev(&lit, DVec3::X, night), RANGE_EV[1]);
         assert_eq!(ev(&meter(0.0), -DVec3::X, night), RANGE_EV[1]);
@@ -357,8 +364,8 @@ mod tests {
         };
         // It is brighter towards the corners than straight down.
         let found = ev(&lit, -DVec3::X, glowing);
-        let straight = (0.7_f64 / 0.05).log2();
-        assert!((straight - 0.4..straight).contains(&found), "{found}");
+        // Fully exposed, straight down would be log₂(0.7/0.05) = 3.81.
+        assert!((2.2..2.4).contains(&found), "{found}");
         assert_eq!(ev(&lit, DVec3::X, glowing), RANGE_EV[1]);
     }
 
