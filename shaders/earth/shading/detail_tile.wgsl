@@ -148,7 +148,7 @@ fn detail_of(channel: f32, weight: f32, variance: f32) -> Detail {
 }
 
 // Absolute values of a direction's components, by which a side of the cube is chosen. They are uneven, so that sides meet along ragged lines and not
-// along great circles, which would be seen: within some 20 km, in zigzags 150 and 35 km long.
+// along great circles, which would be seen: within some 30 km, in zigzags 150 and 35 km long.
 fn sides(direction: vec3f) -> vec3f {
     let aside = 0.0025 * zigzag(dot(direction, vec3f(31.0, 37.0, 43.0))) + 0.0008 * zigzag(dot(direction, vec3f(157.0, -163.0, 193.0)));
     return abs(direction) + vec3f(aside, 0.0, -aside);
