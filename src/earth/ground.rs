@@ -77,14 +77,6 @@ const LEAST_SAMPLE_PX: f64 = 0.5;
 /// Number of equal frames after which a surface is settled: more than a level needs to fade in.
 const QUIET_FRAMES: u32 = 10;
 
-/// The elevation data that is drawn.
-fn heights<'a>(followed: &'a Option<Followed>, all: &'a dyn Elevation) -> &'a dyn Elevation {
-    match followed {
-        Some(followed) => &*followed.heights,
-        None => all,
-    }
-}
-
 impl GroundDriver {
     /// If the device lacks the capacity, a projected grid is computed on the CPU instead of the GPU, and cast contours are drawn as patches. A
     /// warning is logged.
@@ -204,16 +196,20 @@ impl GroundDriver {
         self.has_forgotten = false;
     }
 
-    /// Selects what is drawn, and the blocks in sight, whose tiles it is drawn with.
+    /// Selects what is drawn, and the blocks in sight, whose tiles it is drawn with. Returns statistics, and the upper limit of the elevation of all
+    /// terrain, metres above the ellipsoid.
     pub fn plan(
         &mut self,
         grid: &BlockGrid,
         view: &ItrfView,
         blocks: &mut Vec<Block>,
-    ) -> SurfaceStats {
+    ) -> (SurfaceStats, f64) {
         let (eye_itrf_m, clip_from_eye) = (view.eye_itrf_m, view.clip_from_eye);
         self.follow(eye_itrf_m, view.pixel_rad());
-        let heights = heights(&self.followed, &*self.elevation);
+        let heights: &dyn Elevation = match &self.followed {
+            Some(followed) => followed.heights.as_ref(),
+            None => self.elevation.as_ref(),
+        };
         let range = heights.range_m(&Bounds::GLOBE);
         select_blocks_between(grid, range, eye_itrf_m, &clip_from_eye, blocks);
         let view = GroundView {
@@ -226,13 +222,7 @@ impl GroundDriver {
         let is_quiet = stats.samples_read == 0 && stats == self.before;
         self.quiet = if is_quiet { self.quiet + 1 } else { 0 };
         self.before = stats;
-        stats
-    }
-
-    /// Upper limit of the elevation of all terrain that is drawn, metres above the ellipsoid.
-    pub fn highest_m(&self) -> f64 {
-        let heights = heights(&self.followed, &*self.elevation);
-        heights.range_m(&Bounds::GLOBE).high_m
+        (stats, range.high_m)
     }
 
     /// Lists the draws of the selection. `tiled` has the blocks with tiles, if triangles span several blocks.

@@ -41,11 +41,7 @@ impl GroundDriver {
         match *self {}
     }
 
-    pub fn plan(&mut self, _: &BlockGrid, _: &ItrfView, _: &mut Vec<Block>) -> SurfaceStats {
-        match *self {}
-    }
-
-    pub fn highest_m(&self) -> f64 {
+    pub fn plan(&mut self, _: &BlockGrid, _: &ItrfView, _: &mut Vec<Block>) -> (SurfaceStats, f64) {
         match *self {}
     }
 

@@ -219,15 +219,19 @@ impl Planner {
         let exposure = exposure_factor(stats.exposure_ev) as f32;
         plan.clear();
         plan.eye_itrf_m = view.eye_itrf_m;
-        match &mut self.ground {
+        let highest_m = match &mut self.ground {
             Some(ground) => {
-                stats.ground = ground.plan(self.meshes.grid(), view, &mut plan.blocks);
+                let highest_m;
+                (stats.ground, highest_m) = ground.plan(self.meshes.grid(), view, &mut plan.blocks);
                 stats.height_tiles = ground.height_tiles();
                 stats.blocks_visible = plan.blocks.len() as u32;
+                highest_m
             }
-            None => self.plan_blocks(view, plan, &mut stats),
-        }
-        let highest_m = self.ground.as_ref().map_or(0.0, GroundDriver::highest_m);
+            None => {
+                self.plan_blocks(view, plan, &mut stats);
+                0.0
+            }
+        };
         let nearest_m = (eye.height_m - highest_m).max(0.0);
         plan.least_pixel = view.least_pixel_rad() * nearest_m / ellipsoid.equatorial_radius_m;
         stats.blocks_drawn = plan.blocks.len() as u32;
