@@ -50,7 +50,10 @@ fn light(only: Only, detail: bool, view: &EyeView) -> Vec<f64> {
         Only::Lamps => DVec3::NEG_X,
         _ => DVec3::X,
     };
-    let mut rig = Rig::of_light(&options(only, detail), SIZE);
+    red(&mut Rig::of_light(&options(only, detail), SIZE), view, sun)
+}
+
+fn red(rig: &mut Rig, view: &EyeView, sun: DVec3) -> Vec<f64> {
     let light = rig.draw_light(view, sun);
     light.iter().map(|light| f64::from(light[0])).collect()
 }
@@ -149,11 +152,7 @@ fn the_wind_makes_the_glint_uneven() {
         let (sin, cos) = lon_deg.to_radians().sin_cos();
         let sun = DVec3::new(cos, sin, 0.0);
         let view = down(Geodetic::from_degrees(4.0, lon_deg + 7.0, 4e5), 40.0, 1.0);
-        let red = |rig: &mut Rig| -> Vec<f64> {
-            let light = rig.draw_light(&view, sun);
-            light.iter().map(|light| f64::from(light[0])).collect()
-        };
-        let (even, made) = (red(&mut calm), red(&mut windy));
+        let [even, made] = [&mut calm, &mut windy].map(|rig| red(rig, &view, sun));
         let brightest = even.iter().copied().fold(0.0, f64::max);
         let middle: Vec<f64> = even
             .iter()
@@ -178,8 +177,7 @@ fn tops_of_clouds_are_soft() {
         let mut options = options(Only::Clouds, true);
         options.layers.day = plain([0; 3]).day;
         options.light.cloud_relief_m = relief_m;
-        let light = Rig::of_light(&options, SIZE).draw_light(&view, DVec3::X);
-        light.iter().map(|l| f64::from(l[0])).collect::<Vec<_>>()
+        red(&mut Rig::of_light(&options, SIZE), &view, DVec3::X)
     };
     let shading: Vec<f64> = drawn(4000.0)
         .iter()
