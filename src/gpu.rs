@@ -8,7 +8,7 @@ mod city_lights;
 mod context;
 #[cfg(feature = "terrain")]
 mod contours;
-mod detail_tile;
+mod detail_tiles;
 mod develop;
 mod faults;
 mod full_pass;

@@ -211,9 +211,9 @@ pub use terrella_imagery::pack::PackHeights;
 #[cfg(feature = "tiles")]
 pub use terrella_imagery::stream::{HostedTiles, TileLoad, TileLoading};
 pub use terrella_imagery::{
-    CityLights, DetailTileError, EarthLayers, ImageryError, LayerImage, LayerSelection, MapBands,
+    CityLights, DetailTilesError, EarthLayers, ImageryError, LayerImage, LayerSelection, MapBands,
     MapFolder, MapRows, MapSink, PLACES_FILE, Season, TexelFormat, find_textures, load_layers,
-    load_layers_to, load_seasonal_layers, supply_detail_tile,
+    load_layers_to, load_seasonal_layers, supply_detail_tiles,
     tile::{LayerLayout, MapLayer, Tile, TileError, TileFormat, TileKey, TileShape, TileSource},
 };
 #[cfg(feature = "packs")]

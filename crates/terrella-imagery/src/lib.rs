@@ -7,7 +7,7 @@
 //! | `between.rs` | blends of two maps |
 //! | `albedo.rs` | mean albedo of neighbourhoods, for the air over them |
 //! | `ground_kinds.rs` | cells with only land or only open sea |
-//! | `detail_tile.rs` | synthetic detail |
+//! | `detail_tiles.rs` | synthetic detail |
 //! | `cities.rs`, `cities/` | city lights as points |
 //! | `load.rs` | a folder of maps read from disk |
 //! | `grey.rs` | maps of one byte a texel |
@@ -38,7 +38,7 @@ mod between;
 mod cities;
 pub mod colour;
 mod decode;
-mod detail_tile;
+mod detail_tiles;
 mod error;
 mod find;
 mod grey;
@@ -71,9 +71,9 @@ pub use cities::{
     CITY_CELLS, CityCell, CityLight, CityLights, FINENESSES, LAMP_COLOR, LAMP_GLOW, LEAST_LIGHT,
     MAX_PLACES, PLACES_FILE, Place, PlacesError, read_places,
 };
-pub use detail_tile::{
-    DETAIL_MEAN, DETAIL_SLOPE_STEP, DETAIL_STEP, DETAIL_TILE_SIDE, DetailTileError, detail_tile,
-    supply_detail_tile,
+pub use detail_tiles::{
+    CLOUD_SLOPE_STEP, DETAIL_MEAN, DETAIL_STEP, DETAIL_TILE_SIDE, DetailTilesError,
+    LAND_SLOPE_STEP, detail_tiles, supply_detail_tiles,
 };
 pub use error::ImageryError;
 pub use find::{TEXTURES_VARIABLE, find_textures};

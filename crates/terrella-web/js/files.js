@@ -24,7 +24,7 @@ export const PREVIEW_MAPS = {
 
 /** Tables of the default air, deflated, and the tile of synthetic detail. */
 export const AIR = new URL("./data/air.bin", import.meta.url);
-export const DETAIL_TILE = new URL("./data/detail_tile.jpg", import.meta.url);
+export const DETAIL_TILES = new URL("./data/detail_tiles.jpg", import.meta.url);
 
 /** Coast lines and borders. */
 export const LINES = new URL("./data/lines.bin", import.meta.url);

@@ -1,7 +1,7 @@
 // Files of the page: counted, compiled.
 
 import { fetched, loaded, readBytes, retried } from "./fetching.js";
-import { AIR, BACKENDS, DETAIL_TILE, LINES } from "./files.js";
+import { AIR, BACKENDS, DETAIL_TILES, LINES } from "./files.js";
 
 /** The only map that must be there. */
 const DAY = "day.jpg";
@@ -73,7 +73,7 @@ function supply(backend, module) {
   if (!supplied.has(backend)) {
     const files = Promise.all([
       loaded("The tables of the air", AIR, inflated),
-      loaded("The tile of detail", DETAIL_TILE, (response) => response.arrayBuffer()),
+      loaded("The tile of detail", DETAIL_TILES, (response) => response.arrayBuffer()),
     ]);
     const done = Promise.all([module, files]).then(([module, [air, tile]]) => module.supply(new Uint8Array(air), new Uint8Array(tile)));
     supplied.set(backend, done);

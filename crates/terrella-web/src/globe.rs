@@ -19,7 +19,7 @@ use terrella::frames::Orientation;
 use terrella::tracks::TrackMoment;
 use terrella::{
     Atmosphere, Earth, EarthOptions, Epoch, Exposure, FrameRequest, LayerImage, MapLayer,
-    Pipelines, Sky, supply_air_tables, supply_detail_tile,
+    Pipelines, Sky, supply_air_tables, supply_detail_tiles,
 };
 use wasm_bindgen::prelude::{JsValue, wasm_bindgen};
 
@@ -36,9 +36,9 @@ fn start() {
 /// # Errors
 /// Files of another version.
 #[wasm_bindgen]
-pub fn supply(air: &[u8], detail_tile: &[u8]) -> Result<(), JsValue> {
+pub fn supply(air: &[u8], detail_tiles: &[u8]) -> Result<(), JsValue> {
     supply_air_tables(&restore(air)).map_err(thrown)?;
-    supply_detail_tile(detail_tile).map_err(thrown)
+    supply_detail_tiles(detail_tiles).map_err(thrown)
 }
 
 /// A canvas with a device, before the Earth is made.

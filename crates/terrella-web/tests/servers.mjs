@@ -104,7 +104,7 @@ for (const [what, fail] of [
   ["an answer 503", busy],
   ["a lost connection", (route) => route.abort("connectionreset")],
 ]) {
-  for (const name of ["preview/day.jpg", "webgpu_bg.wasm", "data/air.bin", "data/detail_tile.jpg"]) {
+  for (const name of ["preview/day.jpg", "webgpu_bg.wasm", "data/air.bin", "data/detail_tiles.jpg"]) {
     const { event, error, requests } = await withServer(name, (route, n) => (n <= 2 ? fail(route) : route.continue()));
     check(`${what} twice for ${name}: the third attempt succeeds`, event === "ready" && requests === 3, error);
   }

@@ -1,6 +1,6 @@
 // Cloud cover of a pixel.
 import rust::{CLOUDS, PI};
-@if(detail) import earth/shading/detail_tile.wgsl;
+@if(detail) import earth/shading/detail_tiles.wgsl;
 
 // Where the ray from the eye to a place crosses the clouds' layer.
 fn lifted_before(at: SurfacePoint) -> Lifted {

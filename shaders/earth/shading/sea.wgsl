@@ -1,7 +1,7 @@
 // Open water: water-leaving light, reflected sky, sunglint and foam. Radiance relative to a white sheet that faces the Sun in space.
 import rust::{FLOOR_SEEN_M, PI, SEA_REFLECTANCE, SEA_WATER_INDEX};
 @if(!open_sea) import earth/shading/open_water.wgsl;
-@if(detail) import earth/shading/detail_tile.wgsl;
+@if(detail) import earth/shading/detail_tiles.wgsl;
 
 // Water-leaving reflectance of clear ocean: π times the remote-sensing reflectance of Case 1 water with 0.1 mg of chlorophyll a in a cubic metre,
 // by Morel 1988 (J. Geophys. Res. 93, 10749) with the absorption of pure water of Pope and Fry 1997 (Appl. Opt. 36, 8710), from 400 to 700 nm,

@@ -6,7 +6,7 @@ import earth/shading/light.wgsl;
 @if(water) import earth/shading/sea.wgsl;
 @if(night_lights) import earth/shading/night_lights.wgsl;
 @if(clouds) import earth/shading/clouds.wgsl;
-@if(detail && !open_sea) import earth/shading/detail_tile.wgsl;
+@if(detail && !open_sea) import earth/shading/detail_tiles.wgsl;
 @if(directional_reflectance && !open_sea) import earth/shading/directional.wgsl;
 
 // Surface properties of a place that do not depend on the light source.

@@ -6,6 +6,11 @@ struct Detail {
     variance: f32,
 }
 
+// The sum of independent structures, the second ones of this strength.
+fn plus(first: Detail, strength: f32, second: Detail) -> Detail {
+    return Detail(first.value + strength * second.value, first.variance + strength * strength * second.variance);
+}
+
 // A factor of mean 1 over the ground.
 fn uneven_factor(contrast: f32, made: Detail) -> f32 {
     return exp(contrast * made.value - 0.5 * contrast * contrast * made.variance);

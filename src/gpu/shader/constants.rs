@@ -15,8 +15,8 @@ use terrella_ground::globe::{BLOCK_COUNT, COLUMNS, ROWS};
 use terrella_ground::light::{self, Bloom, DiffractionPattern, agx};
 use terrella_imagery::tile::{MAP_LAYERS, MapLayer, TILE_BORDER};
 use terrella_imagery::{
-    CLOUD_ALBEDO, CityLight, DETAIL_MEAN, DETAIL_SLOPE_STEP, DETAIL_STEP, FLOOR_SEEN_M, LAMP_COLOR,
-    LAMP_GLOW, NEIGHBOURHOODS,
+    CLOUD_ALBEDO, CLOUD_SLOPE_STEP, CityLight, DETAIL_MEAN, DETAIL_STEP, FLOOR_SEEN_M, LAMP_COLOR,
+    LAMP_GLOW, LAND_SLOPE_STEP, NEIGHBOURHOODS,
 };
 
 /// Size limit of the cells of blocks with parts, in vectors of four words, each word with two cells. Together with the other placement data this
@@ -130,7 +130,8 @@ const SHARED: &[(&str, Value)] = &[
     ("CITY_LIGHT_RADIUS_M", F32(CityLight::MOST_RADIUS_M)),
     ("FLOOR_SEEN_M", F32(FLOOR_SEEN_M)),
     ("DETAIL_STEP", F32(DETAIL_STEP as f64)),
-    ("DETAIL_SLOPE_STEP", F32(DETAIL_SLOPE_STEP as f64)),
+    ("CLOUD_SLOPE_STEP", F32(CLOUD_SLOPE_STEP as f64)),
+    ("LAND_SLOPE_STEP", F32(LAND_SLOPE_STEP as f64)),
     ("DETAIL_MEAN", F32(DETAIL_MEAN as f64)),
     ("FINE_TILES", F32(FINE_DETAIL_TILES)),
     ("EMPTY_LEVEL", F32(EMPTY_DETAIL_LEVEL)),

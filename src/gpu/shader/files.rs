@@ -189,7 +189,7 @@ files![
     "earth/shading/cloud_cover.wgsl",
     "earth/shading/clouds.wgsl",
     "earth/shading/detail.wgsl",
-    "earth/shading/detail_tile.wgsl",
+    "earth/shading/detail_tiles.wgsl",
     "earth/shading/directional.wgsl",
     "earth/shading/lamps.wgsl",
     "earth/shading/light.wgsl",

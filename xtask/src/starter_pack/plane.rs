@@ -94,6 +94,15 @@ impl Plane {
         self.with(values)
     }
 
+    /// The same with mean 0 and variance 1.
+    pub fn standardised(&self) -> Self {
+        let count = self.values.len() as f64;
+        let mean = self.values.iter().sum::<f64>() / count;
+        let squares = self.values.iter().map(|v| (v - mean) * (v - mean));
+        let scale = 1.0 / (squares.sum::<f64>() / count).sqrt();
+        self.with(self.values.iter().map(|v| (v - mean) * scale).collect())
+    }
+
     /// Other values in the same size.
     pub fn with(&self, values: Vec<f64>) -> Self {
         Self {

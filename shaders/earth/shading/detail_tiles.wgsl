@@ -1,14 +1,14 @@
-// Synthetic detail of clouds and land below the maps' texel size: a tile of the fine structure of a cloud map, at two scales. It is fixed to the
-// ground. Its mip levels let each scale fade in as pixels become small enough to show it.
+// Synthetic detail of clouds and land below the maps' texel size: a tile of the fine structure of a cloud map and one of eroded terrain, each at two
+// scales. It is fixed to the ground. The tiles' mip levels let each scale fade in as pixels become small enough to show it.
 //
-// The tile covers the six sides of a cube around the Earth and repeats on each of them. Sides do not match along the cube's edges: there the
+// A tile covers the six sides of a cube around the Earth and repeats on each of them. Sides do not match along the cube's edges: there the
 // structures fade out.
 import earth/shading/uneven.wgsl;
 import rust::{DETAIL_MEAN, DETAIL_STEP, EMPTY_LEVEL, LAST_CODE, PI};
-@if(coarse_scale) import rust::DETAIL_SLOPE_STEP;
+@if(coarse_scale) import rust::CLOUD_SLOPE_STEP;
 @if(fine_scale) import rust::FINE_TILES;
 
-@group(0) @binding(13) var detail_tile: texture_2d<f32>;
+@group(0) @binding(13) var cloud_tile: texture_2d<f32>;
 @group(0) @binding(14) var detail_sampler: sampler;
 
 // Number of tiles of the coarse scale along an edge of the cube, 10 000 km. Their texels are 0.8 km.
@@ -56,11 +56,11 @@ fn flanked_structure(up: vec3f, texel: f32, pixel: f32) -> Flanked {
     let shown = shown_detail(texel, pixel);
     if shown == 0.0 { return out; }
     let scale = scale_at(COARSE_TILES, texel, pixel);
-    let read = sample_tile(up, scale);
+    let place = place_on_tile(up, scale);
+    let read = sample_clouds(place, scale);
     out.made = faded(with_finer(value_of(read, scale), up, texel, pixel), shown);
     out.soft = faded(soft_of(read, scale), shown);
-    let per_texel = shown * scale.weight * DETAIL_STEP * DETAIL_SLOPE_STEP * (LAST_CODE * read.ba - DETAIL_MEAN);
-    out.change = along_ground(up, per_texel * texels_per_side(scale.tiles) * exp2(-scale.level));
+    out.change = shown * change_of(read, scale, place.side, CLOUD_SLOPE_STEP);
     return out;
 }
 @else
@@ -74,7 +74,7 @@ fn soft_structure(up: vec3f, texel: f32, pixel: f32) -> Detail {
     let shown = shown_detail(texel, pixel);
     if shown == 0.0 { return Detail(0.0, 0.0); }
     let scale = scale_at(COARSE_TILES, texel, pixel);
-    return faded(soft_of(sample_tile(up, scale), scale), shown);
+    return faded(soft_of(sample_clouds(place_on_tile(up, scale), scale), scale), shown);
 }
 @else
 fn soft_structure(up: vec3f, texel: f32, pixel: f32) -> Detail {
@@ -83,7 +83,7 @@ fn soft_structure(up: vec3f, texel: f32, pixel: f32) -> Detail {
 
 fn structure_of_size(up: vec3f, tiles: f32, texel: f32, pixel: f32) -> Detail {
     let scale = scale_at(tiles, texel, pixel);
-    return value_of(sample_tile(up, scale), scale);
+    return value_of(sample_clouds(place_on_tile(up, scale), scale), scale);
 }
 
 // With the finer scale, where pixels are small enough to show it.
@@ -91,8 +91,8 @@ fn structure_of_size(up: vec3f, tiles: f32, texel: f32, pixel: f32) -> Detail {
 fn with_finer(coarse: Detail, up: vec3f, texel: f32, pixel: f32) -> Detail {
     let scale = scale_at(FINE_TILES, texel, pixel);
     if scale.level >= EMPTY_LEVEL { return coarse; }
-    let fine = value_of(sample_tile(FINE_TURN * up, scale), scale);
-    return Detail(coarse.value + FINE_STRENGTH * fine.value, coarse.variance + FINE_STRENGTH * FINE_STRENGTH * fine.variance);
+    let fine = value_of(sample_clouds(place_on_tile(FINE_TURN * up, scale), scale), scale);
+    return plus(coarse, FINE_STRENGTH, fine);
 }
 @else
 fn with_finer(coarse: Detail, up: vec3f, texel: f32, pixel: f32) -> Detail {
@@ -124,14 +124,29 @@ fn scale_at(tiles: f32, texel: f32, pixel: f32) -> Scale {
 
 // Along half an edge of the cube: per unit of `on_cube`.
 fn texels_per_side(tiles: f32) -> f32 {
-    return 0.5 * tiles * f32(textureDimensions(detail_tile).x);
+    return 0.5 * tiles * f32(textureDimensions(cloud_tile).x);
 }
 
-fn sample_tile(up: vec3f, scale: Scale) -> vec4f {
+fn sample_clouds(place: TilePlace, scale: Scale) -> vec4f {
+    return shown_at(place, textureSampleLevel(cloud_tile, detail_sampler, place.uv, scale.level));
+}
+
+struct TilePlace {
+    side: OnSide,
+    uv: vec2f,
+    // 0 at an edge of the cube, 1 away from it.
+    shown: f32,
+}
+
+fn place_on_tile(up: vec3f, scale: Scale) -> TilePlace {
     let sides = sides(up);
-    let read = textureSampleLevel(detail_tile, detail_sampler, 0.5 * scale.tiles * on_cube(up, sides), scale.level);
+    let side = on_side(up, sides);
     let from_edge = edge_distance(sides) * texels_per_side(scale.tiles);
-    return mix(vec4f(DETAIL_MEAN / LAST_CODE), read, smoothstep(0.0, EDGE_TEXELS, from_edge));
+    return TilePlace(side, 0.5 * scale.tiles * on_cube(side), smoothstep(0.0, EDGE_TEXELS, from_edge));
+}
+
+fn shown_at(place: TilePlace, read: vec4f) -> vec4f {
+    return mix(vec4f(DETAIL_MEAN / LAST_CODE), read, place.shown);
 }
 
 fn value_of(read: vec4f, scale: Scale) -> Detail {
@@ -140,6 +155,12 @@ fn value_of(read: vec4f, scale: Scale) -> Detail {
 
 fn soft_of(read: vec4f, scale: Scale) -> Detail {
     return detail_of(read.g, scale.weight, 1.0 - smoothstep(SOFT_LEVELS.x, SOFT_LEVELS.y, scale.level));
+}
+
+// The change of the value of `value_of` for land and of `soft_of` for clouds.
+fn change_of(read: vec4f, scale: Scale, side: OnSide, slope_step: f32) -> vec3f {
+    let per_texel = scale.weight * DETAIL_STEP * slope_step * (LAST_CODE * read.ba - DETAIL_MEAN);
+    return along_ground(side, per_texel * texels_per_side(scale.tiles) * exp2(-scale.level));
 }
 
 // Of a channel of the tile.
@@ -158,17 +179,24 @@ fn zigzag(x: f32) -> f32 {
     return 4.0 * abs(fract(x) - 0.5) - 1.0;
 }
 
-// Coordinates of a direction on a side of the cube, −1…1 each, in steps of nearly equal angles: (4/π)·atan by its first terms, exact at the edges.
-// Axes are taken in turn, so that no side shows the reflection of the one beside it.
-fn on_cube(direction: vec3f, sides: vec3f) -> vec2f {
-    var at = direction.xy / direction.z;
-    if sides.x >= max(sides.y, sides.z) {
-        at = direction.yz / direction.x;
-    } else if sides.y >= sides.z {
-        at = direction.zx / direction.y;
-    }
-    let square = at * at;
-    return at * (1.2732 + square * (-0.3902 + 0.117 * square));
+// A direction on a side of the cube: its components along the side, divided by the one away from it, and that component with its axis. Axes are taken
+// in turn, so that no side shows the reflection of the one beside it.
+struct OnSide {
+    at: vec2f,
+    away: f32,
+    axis: u32,
+}
+
+fn on_side(direction: vec3f, sides: vec3f) -> OnSide {
+    if sides.x >= max(sides.y, sides.z) { return OnSide(direction.yz / direction.x, direction.x, 0u); }
+    if sides.y >= sides.z { return OnSide(direction.zx / direction.y, direction.y, 1u); }
+    return OnSide(direction.xy / direction.z, direction.z, 2u);
+}
+
+// Coordinates on a side, −1…1 each, in steps of nearly equal angles: (4/π)·atan by its first terms, exact at the edges.
+fn on_cube(side: OnSide) -> vec2f {
+    let square = side.at * side.at;
+    return side.at * (1.2732 + square * (-0.3902 + 0.117 * square));
 }
 
 // Distance from the nearest edge of the side in the same coordinates, near the edge: within a fifth.
@@ -179,21 +207,9 @@ fn edge_distance(sides: vec3f) -> f32 {
 }
 
 // Gradient on the unit sphere of a quantity that changes this much along the coordinates of `on_cube`.
-fn along_ground(direction: vec3f, change: vec2f) -> vec3f {
-    let sides = sides(direction);
-    if sides.x >= max(sides.y, sides.z) {
-        return along_side(direction.yz, direction.x, change).zxy;
-    }
-    if sides.y >= sides.z {
-        return along_side(direction.zx, direction.y, change).yzx;
-    }
-    return along_side(direction.xy, direction.z, change);
-}
-
-// The same along the axes of a side, and away from it.
-fn along_side(beside: vec2f, away: f32, change: vec2f) -> vec3f {
-    let at = beside / away;
-    let square = at * at;
+fn along_ground(side: OnSide, change: vec2f) -> vec3f {
+    let square = side.at * side.at;
     let steeper = change * (1.2732 + square * (-1.1706 + 0.585 * square));
-    return vec3f(steeper, -dot(at, steeper)) / away;
+    let along = vec3f(steeper, -dot(side.at, steeper)) / side.away;
+    return select(select(along, along.yzx, side.axis == 1u), along.zxy, side.axis == 0u);
 }

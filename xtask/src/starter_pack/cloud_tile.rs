@@ -2,14 +2,10 @@
 //!
 //! The tile repeats without a seam.
 
+use super::land_tile::SIDE;
 use super::map::Map;
 use super::plane::Plane;
-use anyhow::Result;
-use image::ExtendedColorType;
-use image::codecs::jpeg::JpegEncoder;
 
-/// Texels along a side.
-const SIDE: usize = 1024;
 /// Texels over which the tile's end blends into its beginning.
 const OVERLAP: usize = 160;
 /// Structures larger than about three times this belong to the weather, texels.
@@ -21,38 +17,15 @@ const LEAST: f64 = 0.03;
 const ENOUGH: f64 = 0.08;
 /// Places of the parts in the source, column and row, best first: trade winds, tropics and the roaring forties.
 const PARTS: [(usize, usize); 3] = [(0, 450), (1500, 450), (700, 700)];
-/// Standard deviations per byte step from 128. `DETAIL_STEP` in the shaders.
-const STEP: f64 = 3.2 / 127.0;
-
-const JPEG_QUALITY: u8 = 75;
-
-/// Generates the tile from the mended source of the cloud map: a grey JPEG with mean 128.
-pub fn make(clouds: &Map) -> Result<Vec<u8>> {
-    let tile = tile(&Plane::of(clouds));
-    let bytes = tile.values.iter().map(|value| {
-        let byte = value / STEP + 128.0;
-        (byte.clamp(1.0, 255.0) + 0.5).min(255.0) as u8
-    });
-    let bytes: Vec<u8> = bytes.collect();
-    let mut jpeg = Vec::new();
-    let side = SIDE as u32;
-    JpegEncoder::new_with_quality(&mut jpeg, JPEG_QUALITY).encode(
-        &bytes,
-        side,
-        side,
-        ExtendedColorType::L8,
-    )?;
-    Ok(jpeg)
-}
-
-/// The tile, with mean 0 and variance 1.
-fn tile(map: &Plane) -> Plane {
-    let [first, others @ ..] = PARTS.map(|place| Part::new(map, place));
+/// The tile of the mended source of the cloud map, with mean 0 and variance 1.
+pub fn make(clouds: &Map) -> Plane {
+    let map = Plane::of(clouds);
+    let [first, others @ ..] = PARTS.map(|place| Part::new(&map, place));
     let mut detail = first;
     for other in others {
         detail = detail.filled_with(&other);
     }
-    standardised(repeating(&detail.values))
+    repeating(&detail.values).standardised()
 }
 
 /// Detail of a part of the map, and its presence, 0…1.
@@ -131,19 +104,6 @@ fn repeating(plane: &Plane) -> Plane {
 fn passage(t: f64) -> (f64, f64) {
     let begins = t * t * (3.0 - 2.0 * t);
     (begins.sqrt(), (1.0 - begins).sqrt())
-}
-
-fn standardised(plane: Plane) -> Plane {
-    let count = plane.values.len() as f64;
-    let mean = plane.values.iter().sum::<f64>() / count;
-    let power = plane
-        .values
-        .iter()
-        .map(|v| (v - mean) * (v - mean))
-        .sum::<f64>()
-        / count;
-    let scale = 1.0 / power.sqrt();
-    plane.with(plane.values.iter().map(|v| (v - mean) * scale).collect())
 }
 
 #[cfg(test)]

@@ -10,93 +10,109 @@ use std::sync::OnceLock;
 pub const DETAIL_MEAN: f32 = 128.0;
 /// Standard deviations that a step of one byte means.
 pub const DETAIL_STEP: f32 = 3.2 / 127.0;
-/// Steps of a changing value, per texel, that a step of one byte means in the slopes.
-pub const DETAIL_SLOPE_STEP: f32 = 0.25;
+/// Steps of a changing value, per texel, that a step of one byte means in the slopes of clouds.
+pub const CLOUD_SLOPE_STEP: f32 = 0.25;
+/// As [`CLOUD_SLOPE_STEP`], for land.
+pub const LAND_SLOPE_STEP: f32 = 0.75;
 
-#[cfg(any(test, feature = "detail-tile"))]
-const COMPILED_IN: Option<&[u8]> = Some(include_bytes!("../data/detail_tile.jpg"));
-#[cfg(not(any(test, feature = "detail-tile")))]
+#[cfg(any(test, feature = "detail-tiles"))]
+const COMPILED_IN: Option<&[u8]> = Some(include_bytes!("../data/detail_tiles.jpg"));
+#[cfg(not(any(test, feature = "detail-tiles")))]
 const COMPILED_IN: Option<&[u8]> = None;
 
-/// Side of the tile, texels.
+/// Side of a tile, texels.
 pub const DETAIL_TILE_SIDE: u32 = 1024;
 
-/// The tile of [`supply_detail_tile`].
-static SUPPLIED: OnceLock<LayerImage> = OnceLock::new();
+/// The tiles of [`supply_detail_tiles`].
+static SUPPLIED: OnceLock<[LayerImage; 2]> = OnceLock::new();
 
-/// Why a file is not the tile.
+/// Why a file is not that of the tiles.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("detail_tile.jpg: {cause}; take the file of this version")]
-pub struct DetailTileError {
+#[error("detail_tiles.jpg: {cause}; take the file of this version")]
+pub struct DetailTilesError {
     cause: String,
 }
 
-/// A square of clouds' fine structure with its mip levels: no map, but a tile to repeat in all directions. Its values have the mean
-/// 0 and the variance 1, as bytes by [`DETAIL_STEP`].
+/// Squares of the fine structure of clouds, and of eroded terrain, with their mip levels: no maps, but tiles to repeat in all directions. Their
+/// values have the mean 0 and the variance 1, as bytes by [`DETAIL_STEP`].
 ///
-/// A texel has four bytes: the value; the value smoothed over four texels of its level; and the change of the latter from texel to texel of its
-/// level, rightwards and downwards, by [`DETAIL_SLOPE_STEP`]. So one sample shows structures and their soft flanks.
+/// A texel has four bytes: a value; a second value; and the change of the latter from texel to texel of its level, rightwards and downwards. So one
+/// sample shows structures and their flanks.
 ///
-/// It repeats without a seam. It is a part of the starter pack's cloud map, without structures larger than some 64
-/// texels. The feature `detail-tile` compiles it in. Without the feature and before [`supply_detail_tile`], the tile is one texel
-/// without structure.
-pub fn detail_tile() -> LayerImage {
+/// - Clouds: the value, which is a part of the starter pack's cloud map without structures larger than some 64 texels; the same smoothed over four
+///   texels of its level; slopes by [`CLOUD_SLOPE_STEP`].
+/// - Land: patches of colour, the values of clouds in another place; the height of terrain, not smoothed; slopes by [`LAND_SLOPE_STEP`].
+///
+/// They repeat without a seam. The feature `detail-tiles` compiles them in. Without the feature and before [`supply_detail_tiles`], a tile is one
+/// texel without structure.
+pub fn detail_tiles() -> [LayerImage; 2] {
     let supplied = SUPPLIED.get().cloned();
-    // A test decodes the compiled tile.
-    let tile = supplied.or_else(|| decoded(COMPILED_IN?).ok());
-    tile.unwrap_or_else(|| LayerImage {
-        width: 1,
-        height: 1,
-        format: TexelFormat::Rgba8Srgb,
-        levels: [vec![DETAIL_MEAN as u8; 4]].into(),
+    // A test decodes the compiled tiles.
+    let tiles = supplied.or_else(|| decoded(COMPILED_IN?).ok());
+    tiles.unwrap_or_else(|| {
+        let none = LayerImage {
+            width: 1,
+            height: 1,
+            format: TexelFormat::Rgba8Srgb,
+            levels: [vec![DETAIL_MEAN as u8; 4]].into(),
+        };
+        [none.clone(), none]
     })
 }
 
-/// Takes the contents of `detail_tile.jpg`, for programs without the feature `detail-tile`. Earths that are made later show it. The first file
+/// Takes the contents of `detail_tiles.jpg`, for programs without the feature `detail-tiles`. Earths that are made later show it. The first file
 /// stays.
 ///
 /// # Errors
-/// A file that is no whole JPEG of the tile's size.
-pub fn supply_detail_tile(jpeg: &[u8]) -> Result<(), DetailTileError> {
+/// A file that is no whole JPEG of the tiles' size.
+pub fn supply_detail_tiles(jpeg: &[u8]) -> Result<(), DetailTilesError> {
     // The decoder fills the rest of a file that breaks off.
     let whole = Picture::open(FileKind::Jpeg, jpeg).and_then(|picture| picture.check_whole());
-    let tile = whole.and_then(|_| decoded(jpeg));
-    let tile = tile.map_err(|cause| DetailTileError { cause })?;
+    let tiles = whole.and_then(|_| decoded(jpeg));
+    let tiles = tiles.map_err(|cause| DetailTilesError { cause })?;
     // A second file is the same one.
-    let _ = SUPPLIED.set(tile);
+    let _ = SUPPLIED.set(tiles);
     Ok(())
 }
 
-/// The tile of a file. The error is its cause.
-fn decoded(jpeg: &[u8]) -> Result<LayerImage, String> {
+/// The tiles of a file, clouds above terrain. The error is its cause.
+fn decoded(jpeg: &[u8]) -> Result<[LayerImage; 2], String> {
     let picture = Picture::open(FileKind::Jpeg, jpeg)?;
     let ((width, height), kind) = (picture.size(), picture.texel_kind());
-    if ((width, height), kind) != ((DETAIL_TILE_SIDE, DETAIL_TILE_SIDE), TexelKind::grey(8)) {
+    if ((width, height), kind) != ((DETAIL_TILE_SIDE, 2 * DETAIL_TILE_SIDE), TexelKind::grey(8)) {
         return Err(format!("it has {width} × {height} texels of {kind}"));
     }
-    let values = mips::chain(
-        picture.texels()?,
-        width as usize,
-        height as usize,
-        TexelFormat::R8Unorm,
-    );
-    let levels = values.iter().enumerate();
-    let levels: Vec<_> = levels
-        .map(|(level, values)| with_flanks(values, width as usize >> level))
-        .collect();
-    Ok(LayerImage {
+    let mut clouds = picture.texels()?;
+    let heights = clouds.split_off(clouds.len() / 2);
+    let side = DETAIL_TILE_SIDE as usize;
+    let [clouds, heights] =
+        [clouds, heights].map(|values| mips::chain(values, side, side, TexelFormat::R8Unorm));
+    let levels = clouds.iter().zip(&heights).enumerate();
+    let (clouds, land) = levels
+        .map(|(level, (clouds, heights))| {
+            let width = side >> level;
+            let exact = heights
+                .iter()
+                .map(|height| WEIGHT as u16 * u16::from(*height));
+            let (soft, exact) = (smoothed(clouds, width), exact.collect::<Vec<_>>());
+            (
+                with_slopes(clouds, &soft, width, CLOUD_SLOPE_STEP),
+                with_slopes(&elsewhere(clouds, width), &exact, width, LAND_SLOPE_STEP),
+            )
+        })
+        .unzip::<_, _, Vec<_>, Vec<_>>();
+    Ok([clouds, land].map(|levels| LayerImage {
         width,
-        height,
+        height: width,
         // Not colours, but as many bytes.
         format: TexelFormat::Rgba8Srgb,
         levels: levels.into(),
-    })
+    }))
 }
 
-/// The four bytes of each texel of a level with rows of this length, a power of two: see [`detail_tile`].
-fn with_flanks(values: &[u8], width: usize) -> Vec<u8> {
-    let soft = smoothed(values, width);
-    let row_of = |row: usize| &soft[row % width * width..][..width];
+/// The four bytes of each texel of a level with rows of this length, a power of two: see [`detail_tiles`]. `second` is times [`WEIGHT`].
+fn with_slopes(values: &[u8], second: &[u16], width: usize, slope_step: f32) -> Vec<u8> {
+    let row_of = |row: usize| &second[row % width * width..][..width];
     let mut texels = vec![0; 4 * values.len()];
     for (row, texels) in texels.chunks_exact_mut(4 * width).enumerate() {
         let (above, here, below) = (row_of(row + width - 1), row_of(row), row_of(row + 1));
@@ -106,20 +122,25 @@ fn with_flanks(values: &[u8], width: usize) -> Vec<u8> {
             texel.copy_from_slice(&[
                 values[column],
                 ((u32::from(here[column]) + WEIGHT / 2) / WEIGHT) as u8,
-                slope(before, after),
-                slope(above[column], below[column]),
+                slope(before, after, slope_step),
+                slope(above[column], below[column], slope_step),
             ]);
         }
     }
     texels
 }
 
+/// The same square with rows for columns, from its middle on: where one is drawn over the other, they are independent.
+fn elsewhere(values: &[u8], width: usize) -> Vec<u8> {
+    let at = |n: usize| (n + width / 2) % width;
+    let texels = (0..values.len()).map(|n| values[at(n % width) * width + at(n / width)]);
+    texels.collect()
+}
+
 /// Byte of the slope at a texel between two.
-fn slope(before: u16, after: u16) -> u8 {
+fn slope(before: u16, after: u16, slope_step: f32) -> u8 {
     let steps = (f32::from(after) - f32::from(before)) / (2.0 * WEIGHT as f32);
-    (DETAIL_MEAN + steps / DETAIL_SLOPE_STEP)
-        .round()
-        .clamp(0.0, 255.0) as u8
+    (DETAIL_MEAN + steps / slope_step).round().clamp(0.0, 255.0) as u8
 }
 
 /// Sum of the weights of [`smoothed`].
@@ -159,7 +180,10 @@ mod tests {
     use super::*;
 
     const VALUE: usize = 0;
+    /// Of clouds.
     const SOFT: usize = 1;
+    /// Of land.
+    const HEIGHT: usize = 1;
 
     fn values(texels: &[u8], channel: usize) -> Vec<f32> {
         let values = texels
@@ -182,41 +206,47 @@ mod tests {
     }
 
     #[test]
-    fn it_has_the_mean_0_and_the_variance_1() {
-        let tile = detail_tile();
-        assert_eq!(
-            (tile.width, tile.height, tile.levels.len()),
-            (1024, 1024, 11)
-        );
-        let values = values(&tile.levels[0], VALUE);
-        let mean = values.iter().sum::<f32>() / values.len() as f32;
-        assert!(mean.abs() < 0.02, "{mean}");
-        assert!((variance(&tile.levels[0], VALUE) - 1.0).abs() < 0.05);
+    fn they_have_the_mean_0_and_the_variance_1() {
+        for tile in detail_tiles() {
+            assert_eq!(
+                (tile.width, tile.height, tile.levels.len()),
+                (1024, 1024, 11)
+            );
+            let values = values(&tile.levels[0], VALUE);
+            let mean = values.iter().sum::<f32>() / values.len() as f32;
+            assert!(mean.abs() < 0.02, "{mean}");
+            assert!((variance(&tile.levels[0], VALUE) - 1.0).abs() < 0.05);
+        }
     }
 
     #[test]
     fn another_file_is_rejected() {
-        let error = supply_detail_tile(b"no picture")
+        let error = supply_detail_tiles(b"no picture")
             .expect_err("no JPEG")
             .to_string();
-        assert!(error.starts_with("detail_tile.jpg: "), "{error}");
+        assert!(error.starts_with("detail_tiles.jpg: "), "{error}");
         let jpeg = COMPILED_IN.expect("compiled into tests");
-        assert!(supply_detail_tile(&jpeg[..jpeg.len() / 2]).is_err());
-        supply_detail_tile(jpeg).expect("the tile itself");
-        assert_eq!(detail_tile(), decoded(jpeg).expect("decodes"));
+        assert!(supply_detail_tiles(&jpeg[..jpeg.len() / 2]).is_err());
+        supply_detail_tiles(jpeg).expect("the tile itself");
+        assert_eq!(detail_tiles(), decoded(jpeg).expect("decodes"));
     }
 
     /// The shader's `value_of` and `soft_of`.
     #[test]
     fn smaller_levels_show_what_the_shader_takes_them_to_show() {
-        let tile = detail_tile();
-        for (level, texels) in tile.levels.iter().enumerate().take(8) {
-            for (channel, first, last) in [(VALUE, 0.0, 6.3), (SOFT, -2.7, 4.0)] {
+        let [clouds, land] = detail_tiles();
+        for (tile, channel, first, last, off) in [
+            (&clouds, VALUE, 0.0, 6.3, 0.06),
+            (&clouds, SOFT, -2.7, 4.0, 0.06),
+            (&land, VALUE, 0.0, 6.3, 0.06),
+            (&land, HEIGHT, 0.0, 6.3, 0.12),
+        ] {
+            for (level, texels) in tile.levels.iter().enumerate().take(8) {
                 let t = ((level as f32 - first) / (last - first)).min(1.0);
                 let expected = 1.0 - t * t * (3.0 - 2.0 * t);
                 let shown = variance(texels, channel);
                 assert!(
-                    (shown - expected).abs() < 0.06,
+                    (shown - expected).abs() < off,
                     "level {level}, channel {channel}: {shown} and not {expected}"
                 );
             }
@@ -224,8 +254,13 @@ mod tests {
     }
 
     #[test]
-    fn flanks_are_as_steep_as_the_soft_value_changes() {
-        let tile = detail_tile();
+    fn slopes_are_as_steep_as_the_second_byte_changes() {
+        let [clouds, land] = detail_tiles();
+        slopes_are_those_of_the_second_byte(&clouds, CLOUD_SLOPE_STEP);
+        slopes_are_those_of_the_second_byte(&land, LAND_SLOPE_STEP);
+    }
+
+    fn slopes_are_those_of_the_second_byte(tile: &LayerImage, slope_step: f32) {
         for (level, texels) in tile.levels.iter().enumerate().take(6) {
             let width = 1024 >> level;
             let code = |column: usize, row: usize, channel: usize| {
@@ -241,8 +276,8 @@ mod tests {
                     for (channel, rise) in [(2, rise[0]), (3, rise[1])] {
                         let slope = code(column, row, channel);
                         clipped += usize::from(slope == 0.0 || slope == 255.0);
-                        let shown = 2.0 * DETAIL_SLOPE_STEP * (slope - DETAIL_MEAN);
-                        let clamped = rise.clamp(-64.0, 63.5);
+                        let shown = 2.0 * slope_step * (slope - DETAIL_MEAN);
+                        let clamped = rise.clamp(-256.0 * slope_step, 254.0 * slope_step);
                         // Soft values are rounded to half a step.
                         assert!(
                             (shown - clamped).abs() < 1.3,
@@ -259,8 +294,14 @@ mod tests {
     }
 
     #[test]
-    fn it_repeats_without_a_seam() {
-        let tile = values(&detail_tile().levels[0], VALUE);
+    fn they_repeat_without_a_seam() {
+        for tile in detail_tiles() {
+            repeats_without_a_seam(&values(&tile.levels[0], 0));
+            repeats_without_a_seam(&values(&tile.levels[0], 1));
+        }
+    }
+
+    fn repeats_without_a_seam(tile: &[f32]) {
         let at = |x: usize, y: usize| tile[(y % 1024) * 1024 + x % 1024];
         let step = |from: usize| {
             let steps = (0..1024).map(|n| {
@@ -276,7 +317,8 @@ mod tests {
     /// Streaks across a border would vary along it and not across it.
     #[test]
     fn its_borders_are_not_streaked() {
-        let tile = values(&detail_tile().levels[0], VALUE);
+        let [clouds, _] = detail_tiles();
+        let tile = values(&clouds.levels[0], VALUE);
         let at = |x: usize, y: usize| tile[(y % 1024) * 1024 + x % 1024];
         // Mean squares of the changes from texel to texel along these rows and across them, and with columns for rows.
         let changes = |rows: std::ops::Range<usize>, is_turned: bool| {
