@@ -6,7 +6,7 @@ import earth/shading/light.wgsl;
 @if(water) import earth/shading/sea.wgsl;
 @if(night_lights) import earth/shading/night_lights.wgsl;
 @if(clouds) import earth/shading/clouds.wgsl;
-@if(detail && !open_sea) import earth/shading/detail_tiles.wgsl;
+@if(detail && !open_sea) import earth/shading/land_detail.wgsl;
 @if(directional_reflectance && !open_sea) import earth/shading/directional.wgsl;
 
 // Surface properties of a place that do not depend on the light source.
@@ -34,17 +34,14 @@ fn surface_at(at: SurfacePoint) -> Surface {
     return out;
 }
 
-@if(detail && !open_sea) const LAND_CONTRAST: f32 = 0.12;
-// Axes permuted, so that the structures differ from those of the clouds.
-@if(detail && !open_sea) const LAND_AXES: vec3f = vec3f(-1.0, 1.0, -1.0);
-
-// The same surface with unevenly bright land.
+// The same surface with synthetic terrain.
 @if(detail && !open_sea)
 fn with_detail(at: SurfacePoint, surface: Surface) -> Surface {
     let texel = texel_radii(DAY, at, textureDimensions(day_map));
-    let made = structure(LAND_AXES * at.up.yzx, texel, pixel_radii(at));
+    let land = land_structure(at.up, texel, pixel_radii(at));
     var out = surface;
-    out.day = vec4f(out.day.rgb * uneven_factor(LAND_CONTRAST, made), out.day.a);
+    out.day = vec4f(land_with_detail(out.day.rgb, land), out.day.a);
+    @if(normals && !relief) out.normal = normal_with_detail(out.normal, at.up, land.change, texel);
     return out;
 }
 

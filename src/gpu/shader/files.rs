@@ -192,6 +192,7 @@ files![
     "earth/shading/detail_tiles.wgsl",
     "earth/shading/directional.wgsl",
     "earth/shading/lamps.wgsl",
+    "earth/shading/land_detail.wgsl",
     "earth/shading/light.wgsl",
     "earth/shading/night_lights.wgsl",
     "earth/shading/open_water.wgsl",

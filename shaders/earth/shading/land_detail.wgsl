@@ -1,0 +1,95 @@
+// Synthetic detail of land below the maps' texel size: a tile of eroded terrain, at the scales of the clouds' tile. It makes colour and slopes uneven.
+import earth/shading/detail_tiles.wgsl;
+@if(coarse_scale) import rust::LAND_SLOPE_STEP;
+
+@if(coarse_scale) @group(0) @binding(15) var land_tile: texture_2d<f32>;
+
+// Strength of the fine scale, relative to the coarse one: of heights where they decide about snow, and where slopes are lit, which are as steep as
+// the coarse ones.
+@if(fine_scale) const FINE_HEIGHT: f32 = 0.3;
+@if(fine_scale) const FINE_RELIEF: f32 = 0.06;
+
+// Structures of land: patches of different brightness, the height of terrain, and the change of the latter along the ground, per equatorial radius.
+struct LandDetail {
+    patches: Detail,
+    height: Detail,
+    change: vec3f,
+}
+
+@if(coarse_scale)
+fn land_structure(up: vec3f, texel: f32, pixel: f32) -> LandDetail {
+    let shown = shown_detail(texel, pixel);
+    var out: LandDetail;
+    if shown == 0.0 { return out; }
+    out = land_of_size(up, COARSE_TILES, texel, pixel);
+    @if(fine_scale) out = with_finer_land(out, up, texel, pixel);
+    out.patches = faded(out.patches, shown);
+    out.height = faded(out.height, shown);
+    out.change *= shown;
+    return out;
+}
+@else
+fn land_structure(up: vec3f, texel: f32, pixel: f32) -> LandDetail {
+    return LandDetail(Detail(0.0, 0.0), Detail(0.0, 0.0), vec3f(0.0));
+}
+
+@if(coarse_scale)
+fn land_of_size(up: vec3f, tiles: f32, texel: f32, pixel: f32) -> LandDetail {
+    let scale = scale_at(tiles, texel, pixel);
+    let place = place_on_tile(up, scale);
+    let read = sample_land(place, scale);
+    let left = 1.0 - smoothstep(0.0, EMPTY_LEVEL, scale.level);
+    return LandDetail(value_of(read, scale), detail_of(read.g, scale.weight, left), change_of(read, scale, place.side, LAND_SLOPE_STEP));
+}
+
+@if(fine_scale)
+fn with_finer_land(coarse: LandDetail, up: vec3f, texel: f32, pixel: f32) -> LandDetail {
+    let fine = land_of_size(FINE_TURN * up, FINE_TILES, texel, pixel);
+    return LandDetail(
+        plus(coarse.patches, FINE_STRENGTH, fine.patches),
+        plus(coarse.height, FINE_HEIGHT, fine.height),
+        coarse.change + FINE_RELIEF * (fine.change * FINE_TURN),
+    );
+}
+
+@if(coarse_scale)
+fn sample_land(place: TilePlace, scale: Scale) -> vec4f {
+    return shown_at(place, textureSampleLevel(land_tile, detail_sampler, place.uv, scale.level));
+}
+
+// Dark land is a mosaic of woods and fields, bright land is desert or snow: contrast of patches, whose mean is the map's colour. Woods are greener.
+const WOODS_CONTRAST: vec3f = vec3f(0.5, 0.4, 0.4);
+const BRIGHT_CONTRAST: vec3f = vec3f(0.15);
+const PATCHES: f32 = 1.5;
+// Snow lies on ridges and melts in valleys: contrast of its share, as for clouds. Its reflectance, and that of the ground below it.
+const SNOW_CONTRAST: f32 = 1.6;
+const SNOW: vec3f = vec3f(0.75, 0.76, 0.78);
+const BARE: vec3f = vec3f(0.07, 0.06, 0.05);
+
+// Colour of land with these structures. Its mean is approximately preserved.
+fn land_with_detail(color: vec3f, land: LandDetail) -> vec3f {
+    let snow = snow_share(color);
+    let more_snow = uneven_share(snow, SNOW_CONTRAST, land.height) - snow;
+    let contrast = mix(WOODS_CONTRAST, BRIGHT_CONTRAST, smoothstep(0.1, 0.4, color.r));
+    let patches = 1.0 + contrast * (2.0 * uneven_share(0.5, PATCHES, land.patches) - 1.0);
+    return max(color * patches + more_snow * (SNOW - BARE), vec3f(0.0));
+}
+
+// Share of snow in a colour of the map: bright, and neither yellow, as sand is, nor blue, as water is.
+fn snow_share(color: vec3f) -> f32 {
+    let blue = color.b / max(color.r, 1e-3);
+    let white = smoothstep(0.5, 0.7, blue) * (1.0 - smoothstep(1.2, 1.6, blue));
+    return white * saturate((color.b - BARE.b) / (SNOW.b - BARE.b));
+}
+
+// Height of structures in lengths of a texel, per slope of the map: mountains are rugged, plains are smooth. Slopes over 170 m are eight times those of
+// the map, as in the Sangre de Cristo Mountains of Colorado.
+@if(normals) const RUGGEDNESS: f32 = 1.5;
+
+// Normal of the ground with these structures, for a map with texels of this size, equatorial radii.
+@if(normals)
+fn normal_with_detail(normal: vec3f, up: vec3f, change: vec3f, texel: f32) -> vec3f {
+    let upward = dot(normal, up);
+    let slope = length(normal - upward * up) / upward;
+    return normalize(normal / upward - RUGGEDNESS * slope * texel * change);
+}
