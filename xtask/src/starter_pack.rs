@@ -23,7 +23,7 @@ use std::path::Path;
 /// Limit on the size of a file, bytes.
 const MAX_FILE_BYTES: usize = 3_000_000;
 /// Limit on the size of the pack, bytes.
-const MAX_PACK_BYTES: usize = 9_000_000;
+const MAX_PACK_BYTES: usize = 9_200_000;
 
 /// The tiles of synthetic detail: independent of the maps.
 const DETAIL_TILES: &str = "../crates/terrella-imagery/data/detail_tiles.jpg";

@@ -281,7 +281,7 @@ impl Cover {
 fn paint_texel(texel: &mut [u8; 4], water: f32, snow: f32, ice: f32) {
     let color = [texel[0], texel[1], texel[2]].map(f32::from);
     let brightness = color.iter().sum::<f32>() / 3.0;
-    // Lakes are land in the water map, with the day map's blue; so are islands that are smaller than its texels.
+    // Small lakes are land in the water map, with the day map's blue; so are islands that are smaller than its texels.
     let is_lake = color[2] > color[1] && brightness < LAKES;
     let forest = 1.0 - smooth(FORESTS, brightness);
     let white = match is_lake {

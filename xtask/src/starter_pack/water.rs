@@ -1,4 +1,4 @@
-//! The water mask: the share of open water in each texel, from a land mask five times finer.
+//! The water mask: the share of open water in each texel, from a land mask five times finer, with the lakes of the day map.
 
 use super::map::{Map, smooth_step};
 use crate::big_pack::mask::{self, Mask};
@@ -17,7 +17,13 @@ pub fn make(data: &Path, day: &Map) -> Result<Vec<u8>> {
     let mut cover = shares(WIDTH, HEIGHT, (mask::WIDTH, mask::HEIGHT), || {
         mask.next_row(1)
     })?;
-    take_ice_out(&mut cover, day)?;
+    ensure!(
+        WIDTH == 2 * day.width && HEIGHT == 2 * day.height && day.channels == 3,
+        "the day map is {} texels wide, not half of {WIDTH}",
+        day.width
+    );
+    add_lakes(&mut cover, day);
+    take_ice_out(&mut cover, day);
     let texels = sharpened(&cover, WIDTH);
     let mut png = Vec::new();
     PngEncoder::new_with_quality(&mut png, CompressionType::Best, FilterType::Adaptive)
@@ -73,18 +79,65 @@ fn overlaps(at: usize, from: usize, to: usize) -> impl Iterator<Item = (usize, u
     })
 }
 
+/// The mask counts lakes as land. In the day map they are black, and the Caspian Sea is blue: limits of the greatest of red and green, and of blue
+/// without red.
+const BLACK: (f64, f64) = (14.0, 26.0);
+const BLUE: (f64, f64) = (15.0, 60.0);
+
+/// Adds lakes to open water: black and blue texels away from the sea, whose colour blends into that of coasts, with the soft edges around them.
+fn add_lakes(cover: &mut [f32], day: &Map) {
+    let (width, height) = (day.width as isize, day.height as isize);
+    let sea = extreme(&halved(cover), width, height, f32::max);
+    let mut lakes = vec![0.0_f32; sea.len()];
+    let mut edges = lakes.clone();
+    for (n, color) in day.values.chunks_exact(3).enumerate() {
+        let [r, g, b] = [0, 1, 2].map(|channel| f64::from(color[channel]));
+        if sea[n] > 0.02 {
+            continue;
+        }
+        let is_blue = b > 1.5 * r + 8.0 && b > g + 4.0 && b > 20.0;
+        lakes[n] = f32::from(u8::from(r.max(g) < BLACK.0 || is_blue));
+        let black = 1.0 - smooth_step(BLACK.0, BLACK.1, r.max(g));
+        let blue = if b > 0.8 * g {
+            smooth_step(BLUE.0, BLUE.1, b - r)
+        } else {
+            0.0
+        };
+        edges[n] = black.max(blue) as f32;
+    }
+    let near = extreme(&lakes, width, height, f32::max);
+    let shares = near.iter().zip(&lakes).zip(&edges);
+    let shares = Map {
+        width: day.width,
+        height: day.height,
+        channels: 1,
+        values: shares
+            .map(|((near, lake), edge)| 255.0 * lake.max(near * edge))
+            .collect(),
+    }
+    .resampled(WIDTH, HEIGHT);
+    for (cover, lake) in cover.iter_mut().zip(&shares.values) {
+        *cover = cover.max(lake / 255.0);
+    }
+}
+
+/// Means of four texels of a map of [`WIDTH`].
+fn halved(cover: &[f32]) -> Vec<f32> {
+    let texels = (0..cover.len() / 4).map(|n| {
+        let (x, y) = (2 * (n % (WIDTH / 2)), 2 * (n / (WIDTH / 2)));
+        let at = |dx: usize, dy: usize| cover[(y + dy) * WIDTH + x + dx];
+        (at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1)) * 0.25
+    });
+    texels.collect()
+}
+
 /// White in the day map is ice: shelves and fast ice.
 const ICE: (f64, f64) = (150.0, 190.0);
 /// Ice farther than this from water of another colour is not the soft edge of a snowy coast, texels of the day map.
 const ICE_DEPTH: isize = 2;
 
 /// Removes ice, which is white in the day map, from open water. Soft white edges of coasts are kept.
-fn take_ice_out(cover: &mut [f32], day: &Map) -> Result<()> {
-    ensure!(
-        WIDTH == 2 * day.width && day.channels == 3,
-        "the day map is {} texels wide, not half of {WIDTH}",
-        day.width
-    );
+fn take_ice_out(cover: &mut [f32], day: &Map) {
     let (width, height) = (day.width as isize, day.height as isize);
     let darkest = |x: isize, y: isize| {
         let y = y.clamp(0, height - 1);
@@ -102,14 +155,7 @@ fn take_ice_out(cover: &mut [f32], day: &Map) -> Result<()> {
         }
     }
     // The share of sea; land beside it does not count.
-    let sea = |x: isize, y: isize| {
-        let (x, y) = (2 * x.rem_euclid(width) as usize, 2 * y as usize);
-        let at = |dx: usize, dy: usize| cover[(y + dy) * WIDTH + x + dx];
-        (at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1)) * 0.25
-    };
-    let is_land: Vec<bool> = (0..width * height)
-        .map(|n| sea(n % width, n / width) < 0.1)
-        .collect();
+    let is_land: Vec<bool> = halved(cover).iter().map(|sea| *sea < 0.1).collect();
     // Land counts as neither: it must not stop ice from reaching its coast, nor grow a white edge.
     let with_land = |land: f32, values: &[f32]| -> Vec<f32> {
         let pairs = is_land.iter().zip(values);
@@ -133,7 +179,6 @@ fn take_ice_out(cover: &mut [f32], day: &Map) -> Result<()> {
     for (cover, ice) in cover.iter_mut().zip(&opened.values) {
         *cover *= 1.0 - ice / 255.0;
     }
-    Ok(())
 }
 
 /// The smallest or the largest value within [`ICE_DEPTH`] texels.
@@ -266,6 +311,35 @@ mod tests {
     }
 
     #[test]
+    fn black_and_blue_texels_inland_are_lakes() {
+        let (width, height) = (WIDTH / 2, HEIGHT / 2);
+        // Sea in the west, whose colour blends into that of its coast, and dark woods.
+        let mut cover: Vec<f32> = (0..WIDTH * HEIGHT)
+            .map(|n| f32::from(u8::from(n % WIDTH < 2000)))
+            .collect();
+        let color = |n: usize| match (n / width, n % width) {
+            (_, 1000..1002) => [8.0, 12.0, 40.0],
+            (200..220, 2000..2020) => [3.0, 6.0, 4.0],
+            (300..320, 2000..2020) => [27.0, 68.0, 124.0],
+            _ => [22.0, 30.0, 14.0],
+        };
+        let day = Map {
+            width,
+            height,
+            channels: 3,
+            values: (0..width * height).flat_map(color).collect(),
+        };
+        add_lakes(&mut cover, &day);
+        let at = |x: usize, y: usize| cover[2 * y * WIDTH + 2 * x];
+        assert_eq!(
+            (at(900, 210), at(1001, 210), at(1500, 210)),
+            (1.0, 0.0, 0.0)
+        );
+        assert_eq!((at(2010, 210), at(2010, 310)), (1.0, 1.0));
+        assert_eq!((at(2010, 260), at(2040, 210)), (0.0, 0.0));
+    }
+
+    #[test]
     fn shelves_are_ice_and_snowy_coasts_are_not() {
         let (width, height) = (WIDTH / 2, HEIGHT / 2);
         let mut cover = vec![1.0; WIDTH * HEIGHT];
@@ -283,7 +357,7 @@ mod tests {
             channels: 3,
             values,
         };
-        take_ice_out(&mut cover, &day).expect("sizes that fit");
+        take_ice_out(&mut cover, &day);
         let at = |x: usize, y: usize| cover[2 * y * WIDTH + 2 * x];
         assert_eq!((at(500, 101), at(500, 110)), (1.0, 1.0));
         assert!(at(3000, 101) < 0.01 && at(3000, 115) < 0.01);

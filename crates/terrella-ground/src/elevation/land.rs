@@ -1,7 +1,7 @@
 //! Land by a map of open water. Land keeps its heights slightly below the sea, as polders and deltas do.
 //!
-//! The map has no lakes, and no ice except ice shelves. Elevation data below the sea there are beds of lakes, down to −971 m in the Caspian Sea, and
-//! rock below ice. Land is therefore kept down to [`SHALLOW_M`] only. Deeper dry land is listed in [`basins`](super::basins).
+//! The map has no small lakes, and no ice except ice shelves. Elevation data below the sea there are beds of lakes, down to −971 m in the Caspian
+//! Sea, and rock below ice. Land is therefore kept down to [`SHALLOW_M`] only. Deeper dry land is listed in [`basins`](super::basins).
 
 use super::Bounds;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
