@@ -364,7 +364,7 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
             }),
         ),
         (
-            ["detail_tiles", "uneven"],
+            ["land_tile", "uneven"],
             detail_alone,
             all(SunlitLayers {
                 effects: EFFECTS.without(LightEffect::Detail),

@@ -10,9 +10,11 @@ use terrella::{
 const SIZE: (u32, u32) = (96, 96);
 
 /// Even maps: what is uneven is made.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Only {
     Land,
+    Snow,
+    Mountains,
     Clouds,
     Lamps,
     Sea,
@@ -24,12 +26,23 @@ fn options(only: Only, detail: bool) -> EarthOptions {
         Some(map.expect("a good map"))
     };
     let mut layers = EarthLayers {
-        day: LayerImage::from_rgba8(2048, 1024, [120, 120, 120, 255].repeat(2048 * 1024))
+        day: LayerImage::from_rgba8(2048, 1024, [120, 110, 60, 255].repeat(2048 * 1024))
             .expect("a good map"),
         ..plain([0; 3])
     };
     match only {
         Only::Land => {}
+        // Half covered.
+        Only::Snow => {
+            layers.day =
+                LayerImage::from_rgba8(2048, 1024, [170, 170, 170, 255].repeat(2048 * 1024))
+                    .expect("a good map");
+        }
+        // Slopes of 0.02, stored four times as steep.
+        Only::Mountains => {
+            let map = LayerImage::from_slopes(2048, 1024, [10, 0].repeat(2048 * 1024));
+            layers.normals = Some(map.expect("a good map"));
+        }
         Only::Clouds => layers.clouds = even(90),
         Only::Lamps => layers.night_lights = even(200),
         Only::Sea => layers.water = even(255),
@@ -78,7 +91,9 @@ fn detail_is_uneven_and_keeps_the_mean() {
     // 580 km of ground: hundreds of the largest grains.
     let view = from(8e5, 40.0);
     for (only, least, off) in [
-        (Only::Land, 0.03, 0.02),
+        (Only::Land, 0.1, 0.02),
+        (Only::Snow, 0.2, 0.05),
+        (Only::Mountains, 0.1, 0.03),
         (Only::Clouds, 0.2, 0.1),
         (Only::Lamps, 0.3, 0.2),
     ] {
@@ -87,7 +102,7 @@ fn detail_is_uneven_and_keeps_the_mean() {
         assert!(spread(&even) < 0.02, "{}", spread(&even));
         assert!(spread(&made) > least, "{}", spread(&made));
         let ratio = mean(&made) / mean(&even);
-        assert!((ratio - 1.0).abs() < off, "{ratio}");
+        assert!((ratio - 1.0).abs() < off, "{only:?}: {ratio}");
     }
 }
 
@@ -190,6 +205,18 @@ fn tops_of_clouds_are_soft() {
         spread(&shading)
     );
     assert!((mean(&shading) - 1.0).abs() < 0.1, "{}", mean(&shading));
+}
+
+/// The Sun 20° high. Where the map has no slopes, terrain has none.
+#[test]
+fn mountains_have_lit_and_shaded_slopes() {
+    let view = down(Geodetic::from_degrees(0.0, 70.0, 2e5), 40.0, 1.0);
+    let shading = |only: Only| {
+        let [made, even] = [true, false].map(|detail| spread(&light(only, detail, &view)));
+        (made, even)
+    };
+    let ((mountains, _), (plain, even)) = (shading(Only::Mountains), shading(Only::Land));
+    assert!(even < 0.1 && mountains > 1.3 * plain, "{even} {plain} {mountains}");
 }
 
 #[test]

@@ -68,12 +68,12 @@ export const loadLines = () => loaded("Coast lines and borders", LINES, async (r
 
 const inflated = (response) => new Response(response.body.pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
 
-/** Gives a backend's module the tables of the air and the tile of detail, once in a page. */
+/** Gives a backend's module the tables of the air and the tiles of detail, once in a page. */
 function supply(backend, module) {
   if (!supplied.has(backend)) {
     const files = Promise.all([
       loaded("The tables of the air", AIR, inflated),
-      loaded("The tile of detail", DETAIL_TILES, (response) => response.arrayBuffer()),
+      loaded("The tiles of detail", DETAIL_TILES, (response) => response.arrayBuffer()),
     ]);
     const done = Promise.all([module, files]).then(([module, [air, tile]]) => module.supply(new Uint8Array(air), new Uint8Array(tile)));
     supplied.set(backend, done);

@@ -43,7 +43,7 @@ struct Flanked {
 fn structure(up: vec3f, texel: f32, pixel: f32) -> Detail {
     let shown = shown_detail(texel, pixel);
     if shown == 0.0 { return Detail(0.0, 0.0); }
-    return faded(with_finer(structure_of_size(up, COARSE_TILES, texel, pixel), up, texel, pixel), shown);
+    return scaled(shown, with_finer(structure_of_size(up, COARSE_TILES, texel, pixel), up, texel, pixel));
 }
 @else
 fn structure(up: vec3f, texel: f32, pixel: f32) -> Detail {
@@ -58,8 +58,8 @@ fn flanked_structure(up: vec3f, texel: f32, pixel: f32) -> Flanked {
     let scale = scale_at(COARSE_TILES, texel, pixel);
     let place = place_on_tile(up, scale);
     let read = sample_clouds(place, scale);
-    out.made = faded(with_finer(value_of(read, scale), up, texel, pixel), shown);
-    out.soft = faded(soft_of(read, scale), shown);
+    out.made = scaled(shown, with_finer(value_of(read, scale), up, texel, pixel));
+    out.soft = scaled(shown, soft_of(read, scale));
     out.change = shown * change_of(read, scale, place.side, CLOUD_SLOPE_STEP);
     return out;
 }
@@ -74,7 +74,7 @@ fn soft_structure(up: vec3f, texel: f32, pixel: f32) -> Detail {
     let shown = shown_detail(texel, pixel);
     if shown == 0.0 { return Detail(0.0, 0.0); }
     let scale = scale_at(COARSE_TILES, texel, pixel);
-    return faded(soft_of(sample_clouds(place_on_tile(up, scale), scale), scale), shown);
+    return scaled(shown, soft_of(sample_clouds(place_on_tile(up, scale), scale), scale));
 }
 @else
 fn soft_structure(up: vec3f, texel: f32, pixel: f32) -> Detail {
@@ -101,10 +101,6 @@ fn with_finer(coarse: Detail, up: vec3f, texel: f32, pixel: f32) -> Detail {
 
 fn shown_detail(texel: f32, pixel: f32) -> f32 {
     return 1.0 - smoothstep(LEAST_PIXEL, 1.0, pixel / texel);
-}
-
-fn faded(made: Detail, shown: f32) -> Detail {
-    return Detail(shown * made.value, shown * shown * made.variance);
 }
 
 // How the tile is read at one scale, in pixels of one size.

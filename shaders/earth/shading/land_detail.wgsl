@@ -23,8 +23,8 @@ fn land_structure(up: vec3f, texel: f32, pixel: f32) -> LandDetail {
     if shown == 0.0 { return out; }
     out = land_of_size(up, COARSE_TILES, texel, pixel);
     @if(fine_scale) out = with_finer_land(out, up, texel, pixel);
-    out.patches = faded(out.patches, shown);
-    out.height = faded(out.height, shown);
+    out.patches = scaled(shown, out.patches);
+    out.height = scaled(shown, out.height);
     out.change *= shown;
     return out;
 }
@@ -61,35 +61,44 @@ fn sample_land(place: TilePlace, scale: Scale) -> vec4f {
 const WOODS_CONTRAST: vec3f = vec3f(0.5, 0.4, 0.4);
 const BRIGHT_CONTRAST: vec3f = vec3f(0.15);
 const PATCHES: f32 = 1.5;
-// Snow lies on ridges and melts in valleys: contrast of its share, as for clouds. Its reflectance, and that of the ground below it.
-const SNOW_CONTRAST: f32 = 1.6;
-const SNOW: vec3f = vec3f(0.75, 0.76, 0.78);
-const BARE: vec3f = vec3f(0.07, 0.06, 0.05);
+// Contrast of the share of snow, as for clouds. In mountains it lies on ridges and melts in valleys; in plains it is seen where there are no woods.
+const MOUNTAIN_SNOW: f32 = 1.6;
+const PLAIN_SNOW: f32 = 1.0;
+// Slopes of the map at which mountains begin and plains end.
+const PLAIN_SLOPE: f32 = 0.002;
+const MOUNTAIN_SLOPE: f32 = 0.006;
+// Reflectance of snow, and that of the ground below it.
+const SNOW_REFLECTANCE: vec3f = vec3f(0.75, 0.76, 0.78);
+const BARE_REFLECTANCE: vec3f = vec3f(0.07, 0.06, 0.05);
 
-// Colour of land with these structures. Its mean is approximately preserved.
-fn land_with_detail(color: vec3f, land: LandDetail) -> vec3f {
+// Colour of land with these structures where the map has this slope. Its mean is approximately preserved.
+fn land_with_detail(color: vec3f, slope: f32, land: LandDetail) -> vec3f {
     let snow = snow_share(color);
-    let more_snow = uneven_share(snow, SNOW_CONTRAST, land.height) - snow;
+    let mountains = smoothstep(PLAIN_SLOPE, MOUNTAIN_SLOPE, slope);
+    let lies = plus(scaled(1.0 - mountains, land.patches), mountains, land.height);
+    let more_snow = uneven_share(snow, mix(PLAIN_SNOW, MOUNTAIN_SNOW, mountains), lies) - snow;
     let contrast = mix(WOODS_CONTRAST, BRIGHT_CONTRAST, smoothstep(0.1, 0.4, color.r));
     let patches = 1.0 + contrast * (2.0 * uneven_share(0.5, PATCHES, land.patches) - 1.0);
-    return max(color * patches + more_snow * (SNOW - BARE), vec3f(0.0));
+    return max(color * patches + more_snow * (SNOW_REFLECTANCE - BARE_REFLECTANCE), vec3f(0.0));
 }
 
 // Share of snow in a colour of the map: bright, and neither yellow, as sand is, nor blue, as water is.
 fn snow_share(color: vec3f) -> f32 {
     let blue = color.b / max(color.r, 1e-3);
     let white = smoothstep(0.5, 0.7, blue) * (1.0 - smoothstep(1.2, 1.6, blue));
-    return white * saturate((color.b - BARE.b) / (SNOW.b - BARE.b));
+    let least = min(color.r, min(color.g, color.b));
+    return white * saturate((least - BARE_REFLECTANCE.b) / (SNOW_REFLECTANCE.b - BARE_REFLECTANCE.b));
 }
 
 // Height of structures in lengths of a texel, per slope of the map: mountains are rugged, plains are smooth. Slopes over 170 m are eight times those of
 // the map, as in the Sangre de Cristo Mountains of Colorado.
 @if(normals) const RUGGEDNESS: f32 = 1.5;
+// The steepest slope of the starter map, whose texels are 20 km wide: finer maps show more of the terrain themselves.
+@if(normals) const MOST_RUGGED: f32 = 0.06;
 
-// Normal of the ground with these structures, for a map with texels of this size, equatorial radii.
+// Normal of the ground with these structures, for a map with texels of this size, equatorial radii, and with this slope. It is as long as its facet is
+// larger than the ground below it, so that the mean of the light on it is that of the map.
 @if(normals)
-fn normal_with_detail(normal: vec3f, up: vec3f, change: vec3f, texel: f32) -> vec3f {
-    let upward = dot(normal, up);
-    let slope = length(normal - upward * up) / upward;
-    return normalize(normal / upward - RUGGEDNESS * slope * texel * change);
+fn normal_with_detail(normal: vec3f, slope: f32, change: vec3f, texel: f32) -> vec3f {
+    return normal - RUGGEDNESS * min(slope, MOST_RUGGED) * texel * change;
 }

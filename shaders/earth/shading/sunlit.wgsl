@@ -39,9 +39,11 @@ fn surface_at(at: SurfacePoint) -> Surface {
 fn with_detail(at: SurfacePoint, surface: Surface) -> Surface {
     let texel = texel_radii(DAY, at, textureDimensions(day_map));
     let land = land_structure(at.up, texel, pixel_radii(at));
+    let upward = dot(surface.normal, at.up);
+    let slope = length(surface.normal - upward * at.up) / upward;
     var out = surface;
-    out.day = vec4f(land_with_detail(out.day.rgb, land), out.day.a);
-    @if(normals && !relief) out.normal = normal_with_detail(out.normal, at.up, land.change, texel);
+    out.day = vec4f(land_with_detail(out.day.rgb, slope, land), out.day.a);
+    @if(normals && !relief) out.normal = normal_with_detail(out.normal, slope, land.change, texel);
     return out;
 }
 

@@ -6,9 +6,15 @@ struct Detail {
     variance: f32,
 }
 
+// Structures of another strength.
+fn scaled(strength: f32, made: Detail) -> Detail {
+    return Detail(strength * made.value, strength * strength * made.variance);
+}
+
 // The sum of independent structures, the second ones of this strength.
 fn plus(first: Detail, strength: f32, second: Detail) -> Detail {
-    return Detail(first.value + strength * second.value, first.variance + strength * strength * second.variance);
+    let added = scaled(strength, second);
+    return Detail(first.value + added.value, first.variance + added.variance);
 }
 
 // A factor of mean 1 over the ground.
