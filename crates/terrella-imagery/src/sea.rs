@@ -288,6 +288,8 @@ pub(super) struct SeaFloor {
 
 /// Down to the floor and up again, twice the diffuse attenuation of clear water for green light, per metre.
 const ATTENUATION_PER_M: f64 = 0.124;
+/// Water higher than this above the sea is a lake: its depth is unknown, and its floor is taken to be out of sight. Metres.
+const LAKE_M: f64 = 20.0;
 /// From this depth on less than 1e-10 of a code is left of the light, metres.
 const DARK_M: f32 = 250.0;
 
@@ -306,7 +308,11 @@ impl SeaFloor {
         let depth_of =
             |n: usize| (share[n] > 250).then(|| f64::from(offset_m) - f64::from(elevation[n]));
         let mut depths_m: Vec<f32> = (0..width * height)
-            .map(|n| depth_of(n).map_or(f32::NAN, |depth_m| depth_m.max(0.0) as f32))
+            .map(|n| match depth_of(n) {
+                None => f32::NAN,
+                Some(depth_m) if depth_m < -LAKE_M => DARK_M,
+                Some(depth_m) => depth_m.max(0.0) as f32,
+            })
             .collect();
         let (mut waiting, mut first) = (Vec::new(), 0);
         each_row_near(&share, width, |here, wettest_near| {
@@ -523,6 +529,16 @@ mod tests {
             );
         }
         assert_eq!(at(80, 30), SEA);
+    }
+
+    #[test]
+    fn floors_of_lakes_are_out_of_sight() {
+        let elevation = vec![11_800; WIDTH * HEIGHT];
+        let lake = |x: usize, _| if x < 50 { 0 } else { 255 };
+        let floor = SeaFloor::new(WIDTH, HEIGHT, &elevation, 11_000, &water(lake));
+        let mut rgba = vec![0; 4 * WIDTH * HEIGHT];
+        floor.write_alpha(&mut rgba, WIDTH);
+        assert!(rgba.chunks_exact(4).all(|texel| texel[3] == 255));
     }
 
     #[test]
