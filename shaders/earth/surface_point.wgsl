@@ -90,8 +90,11 @@ fn seen_along(ray: vec3f, radii: f32, up: vec3f) -> SurfacePoint {
     return out;
 }
 
-// Size of a pixel on the ground, the larger one, equatorial radii.
+// Size of a pixel on the ground, equatorial radii: the geometric mean of its extents. Detail chosen by the larger one is blurred towards the horizon:
+// compared with images of 16 samples, errors were 10 to 50 % larger.
 fn pixel_radii(at: SurfacePoint) -> f32 {
     let to_radii = vec2f(2.0, 1.0) * PI;
-    return max(length(at.uv_dx * to_radii), length(at.uv_dy * to_radii));
+    let x = at.uv_dx * to_radii;
+    let y = at.uv_dy * to_radii;
+    return sqrt(sqrt(dot(x, x) * dot(y, y)));
 }
