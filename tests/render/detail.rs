@@ -216,7 +216,10 @@ fn mountains_have_lit_and_shaded_slopes() {
         (made, even)
     };
     let ((mountains, _), (plain, even)) = (shading(Only::Mountains), shading(Only::Land));
-    assert!(even < 0.1 && mountains > 1.3 * plain, "{even} {plain} {mountains}");
+    assert!(
+        even < 0.1 && mountains > 1.3 * plain,
+        "{even} {plain} {mountains}"
+    );
 }
 
 #[test]
