@@ -116,8 +116,9 @@ fn add_lakes(cover: &mut [f32], day: &Map) {
             .collect(),
     }
     .resampled(WIDTH, HEIGHT);
+    // Shores as narrow as those of the sea.
     for (cover, lake) in cover.iter_mut().zip(&shares.values) {
-        *cover = cover.max(lake / 255.0);
+        *cover = cover.max((2.0 * lake / 255.0 - 0.5).clamp(0.0, 1.0));
     }
 }
 
