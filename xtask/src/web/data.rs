@@ -22,7 +22,8 @@ const PREVIEWS: [(&str, u32); 5] = [
     ("night_lights.png", 1024),
     ("water.png", 1024),
 ];
-const JPEG_QUALITY: u8 = 80;
+/// They are shown for a second or two.
+const JPEG_QUALITY: u8 = 70;
 
 /// The folder of the tables of the air, in the repository.
 pub const TABLES: &str = "crates/terrella-ground/src/air/tables";
