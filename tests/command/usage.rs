@@ -348,6 +348,19 @@ fn keyframes_after_the_end_of_the_film_are_noted() {
 }
 
 #[test]
+fn an_exposure_beside_keyframes_of_it_is_noted() {
+    let place = Place::new();
+    let key = "[[camera.keys]]\ntime_s = 0\nexposure_ev = 1\n";
+    place.scene("keys.toml", &format!("{SMALL}{key}"));
+    let noted = "[output] exposure_ev: without effect, as keyframes of the camera set it";
+    for (more, is_noted) in [(&[][..], false), (&["--set", "output.exposure_ev=2"], true)] {
+        let arguments = [&["check", "keys.toml"][..], more].concat();
+        let said = words(&place.succeed(&arguments));
+        assert_eq!(said.contains(noted), is_noted, "{said}");
+    }
+}
+
+#[test]
 fn times_are_read_as_people_write_them() {
     let place = Place::new();
     place.scene("iss.toml", "");

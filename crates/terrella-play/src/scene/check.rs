@@ -28,7 +28,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
     let sensor = source.sensor(&raw.sensor)?;
     let camera = source.camera(&raw.camera, !orbits.is_empty(), sensor.as_ref())?;
     let earth = source.earth(&raw.earth)?;
-    let notices = deprecated(&raw.earth);
+    let mut notices = deprecated(&raw.earth);
     let sky = source.sky(&raw.sky, &earth)?;
     let (aperture, ghosts) = source.lens_table(&raw.lens, &sky)?;
     let time = source.time(&raw.time)?;
@@ -53,15 +53,17 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
             let advice = "keyframes have times of the scene, and here a simulator gives the time; leave them out";
             return Err(source.reject_at("camera", "keys", keys, advice));
         }
-        if raw
-            .output
-            .exposure_ev()
-            .given
-            .is_some_and(|ev| ev.get_ref().as_str() == Some("auto"))
-            && camera.keys.iter().any(|key| key.exposure_ev.is_some())
-        {
+        let exposure = raw.output.exposure_ev().given;
+        let exposure = exposure.filter(|_| camera.keys.iter().any(|key| key.exposure_ev.is_some()));
+        if exposure.is_some_and(|ev| ev.get_ref().as_str() == Some("auto")) {
             let advice = "a keyframe sets exposure_ev, and [output] has exposure_ev = \"auto\"; leave one of them out";
             return Err(source.reject_at("camera", "keys", keys, advice));
+        }
+        if exposure.is_some() {
+            notices.push(
+                "[output] exposure_ev: without effect, as keyframes of the camera set it; leave one of them out"
+                    .into(),
+            );
         }
     }
     let track_px = source.tracks(&raw.tracks, !checked.is_empty(), has_coverage)?;
