@@ -140,7 +140,8 @@ fn elsewhere(values: &[u8], width: usize) -> Vec<u8> {
 /// Byte of the slope at a texel between two.
 fn slope(before: u16, after: u16, slope_step: f32) -> u8 {
     let steps = (f32::from(after) - f32::from(before)) / (2.0 * WEIGHT as f32);
-    (DETAIL_MEAN + steps / slope_step).round().clamp(0.0, 255.0) as u8
+    // Rounded without a call; the conversion saturates.
+    (DETAIL_MEAN + steps / slope_step + 0.5) as u8
 }
 
 /// Sum of the weights of [`smoothed`].

@@ -262,7 +262,12 @@ impl Cover {
         };
         let step = self.width as f32 / width as f32;
         // The first column whose middle is at least so many texels from the western edge.
-        let column = move |texels: f32| ((texels / step - 0.5).ceil().max(0.0) as usize).min(width);
+        let column = move |texels: f32| {
+            let exact = (texels / step - 0.5).max(0.0);
+            // Rounded up without a call.
+            let whole = exact as usize;
+            (whole + usize::from((whole as f32) < exact)).min(width)
+        };
         (0..=self.width).map(move |texel| {
             let middle = texel as f32 - 0.5;
             let columns = column(middle)..column(middle + 1.0);
