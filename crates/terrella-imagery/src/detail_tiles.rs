@@ -254,6 +254,29 @@ mod tests {
         }
     }
 
+    /// The shader's `uneven_share` with both scales: of clouds' cover, and of snow in mountains.
+    #[test]
+    fn uneven_shares_keep_their_means() {
+        let [clouds, land] = detail_tiles();
+        for (tile, channel, fine, off) in [(&clouds, VALUE, 0.6, 0.07), (&land, HEIGHT, 0.3, 0.12)]
+        {
+            let coarse = values(&tile.levels[0], channel);
+            let spread = 1.6_f32.powi(2) * (1.0 + fine * fine);
+            for share in [0.1, 0.2, 0.3, 0.5, 0.7, 0.9_f32] {
+                let shift = (share - 0.5) * spread * (1.0 - 0.05 * spread);
+                let made = coarse.iter().enumerate().map(|(n, value)| {
+                    // A prime number of texels away the fine scale is independent.
+                    let fine = fine * coarse[(n * 7919 + 31) % coarse.len()];
+                    let odds = (1.6 * (value + fine) + shift).exp();
+                    share * odds / (1.0 - share + share * odds)
+                });
+                let mean = made.map(f64::from).sum::<f64>() / coarse.len() as f64;
+                let ratio = mean / f64::from(share);
+                assert!((ratio - 1.0).abs() < off, "{channel} {share}: {ratio}");
+            }
+        }
+    }
+
     #[test]
     fn slopes_are_as_steep_as_the_second_byte_changes() {
         let [clouds, land] = detail_tiles();
