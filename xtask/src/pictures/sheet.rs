@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// JPEG quality of a full-size image, and of a small one in a table.
 pub const WHOLE: u8 = 88;
-pub const SMALL: u8 = 82;
+pub const SMALL: u8 = 80;
 
 /// Images of one size in a grid, row by row.
 pub fn together(parts: &[RgbImage], columns: u32) -> RgbImage {
