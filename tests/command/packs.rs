@@ -307,7 +307,7 @@ fn heights_of_a_pack_are_drawn_as_those_of_their_file() {
         let text = format!(
             "[camera]\nmode = \"geodetic\"\nlat_deg = 43\nlon_deg = 45\nheight_km = 40\nheading_deg = 0\npitch_deg = -25\n\
              [time]\nstart = \"2018-03-20T05:00:00Z\"\nduration_s = 2\nspeed = 10\nframe_rate_hz = 10\n\
-             [earth]\npack = \"earth\"\natmosphere = \"none\"\n{ground}\n[output]\nsize = [256, 144]\n"
+             [earth]\npack = \"earth\"\natmosphere = \"none\"\ndetail = false\n{ground}\n[output]\nsize = [256, 144]\n"
         );
         let (scene, png) = (format!("{name}.toml"), format!("{name}.png"));
         place.scene(&scene, &text);

@@ -64,7 +64,7 @@ const PATCHES: f32 = 1.5;
 // Contrast of the share of snow, as for clouds. In mountains it lies on ridges and melts in valleys; in plains it is seen where there are no woods.
 const MOUNTAIN_SNOW: f32 = 1.6;
 const PLAIN_SNOW: f32 = 1.0;
-// Slopes of the map at which mountains begin and plains end.
+// Land of the first slope of the map is a plain, land of the second one mountains.
 const PLAIN_SLOPE: f32 = 0.002;
 const MOUNTAIN_SLOPE: f32 = 0.006;
 // Reflectance of snow, and that of the ground below it.

@@ -39,8 +39,10 @@ fn surface_at(at: SurfacePoint) -> Surface {
 fn with_detail(at: SurfacePoint, surface: Surface) -> Surface {
     let texel = texel_radii(DAY, at, textureDimensions(day_map));
     let land = land_structure(at.up, texel, pixel_radii(at));
-    let upward = dot(surface.normal, at.up);
-    let slope = length(surface.normal - upward * at.up) / upward;
+    // With terrain, ridges of the tile would lie beside its own.
+    @if(relief) let slope = 0.0;
+    @if(!relief) let upward = dot(surface.normal, at.up);
+    @if(!relief) let slope = length(surface.normal - upward * at.up) / upward;
     var out = surface;
     out.day = vec4f(land_with_detail(out.day.rgb, slope, land), out.day.a);
     @if(normals && !relief) out.normal = normal_with_detail(out.normal, slope, land.change, texel);
