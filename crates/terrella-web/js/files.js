@@ -22,7 +22,7 @@ export const PREVIEW_MAPS = {
   "water.png": new URL("./maps/preview/water.png", import.meta.url),
 };
 
-/** Tables of the default air, deflated, and the tile of synthetic detail. */
+/** Tables of the default air, deflated, and the tiles of synthetic detail. */
 export const AIR = new URL("./data/air.bin", import.meta.url);
 export const DETAIL_TILES = new URL("./data/detail_tiles.jpg", import.meta.url);
 

@@ -31,7 +31,7 @@ fn start() {
     }));
 }
 
-/// Takes the tables of the air, as `cargo xtask web` writes them and inflated, and the tile of synthetic detail. Once in a page, before the first Earth.
+/// Takes the tables of the air, as `cargo xtask web` writes them and inflated, and the tiles of synthetic detail. Once in a page, before the first Earth.
 ///
 /// # Errors
 /// Files of another version.

@@ -58,7 +58,7 @@ fn flanked_structure(up: vec3f, texel: f32, pixel: f32) -> Flanked {
     let scale = scale_at(COARSE_TILES, texel, pixel);
     let place = place_on_tile(up, scale);
     let read = sample_clouds(place, scale);
-    out.made = scaled(shown, with_finer(value_of(read, scale), up, texel, pixel));
+    out.made = scaled(shown, with_finer(value_of(read.r, scale), up, texel, pixel));
     out.soft = scaled(shown, soft_of(read, scale));
     out.change = shown * change_of(read, scale, place.side, CLOUD_SLOPE_STEP);
     return out;
@@ -83,7 +83,7 @@ fn soft_structure(up: vec3f, texel: f32, pixel: f32) -> Detail {
 
 fn structure_of_size(up: vec3f, tiles: f32, texel: f32, pixel: f32) -> Detail {
     let scale = scale_at(tiles, texel, pixel);
-    return value_of(sample_clouds(place_on_tile(up, scale), scale), scale);
+    return value_of(sample_clouds(place_on_tile(up, scale), scale).r, scale);
 }
 
 // With the finer scale, where pixels are small enough to show it.
@@ -91,7 +91,7 @@ fn structure_of_size(up: vec3f, tiles: f32, texel: f32, pixel: f32) -> Detail {
 fn with_finer(coarse: Detail, up: vec3f, texel: f32, pixel: f32) -> Detail {
     let scale = scale_at(FINE_TILES, texel, pixel);
     if scale.level >= EMPTY_LEVEL { return coarse; }
-    let fine = value_of(sample_clouds(place_on_tile(FINE_TURN * up, scale), scale), scale);
+    let fine = value_of(sample_clouds(place_on_tile(FINE_TURN * up, scale), scale).r, scale);
     return plus(coarse, FINE_STRENGTH, fine);
 }
 @else
@@ -145,8 +145,9 @@ fn shown_at(place: TilePlace, read: vec4f) -> vec4f {
     return mix(vec4f(DETAIL_MEAN / LAST_CODE), read, place.shown);
 }
 
-fn value_of(read: vec4f, scale: Scale) -> Detail {
-    return detail_of(read.r, scale.weight, 1.0 - smoothstep(0.0, EMPTY_LEVEL, scale.level));
+// Of a channel that is not smoothed.
+fn value_of(channel: f32, scale: Scale) -> Detail {
+    return detail_of(channel, scale.weight, 1.0 - smoothstep(0.0, EMPTY_LEVEL, scale.level));
 }
 
 fn soft_of(read: vec4f, scale: Scale) -> Detail {

@@ -38,8 +38,7 @@ fn land_of_size(up: vec3f, tiles: f32, texel: f32, pixel: f32) -> LandDetail {
     let scale = scale_at(tiles, texel, pixel);
     let place = place_on_tile(up, scale);
     let read = sample_land(place, scale);
-    let left = 1.0 - smoothstep(0.0, EMPTY_LEVEL, scale.level);
-    return LandDetail(value_of(read, scale), detail_of(read.g, scale.weight, left), change_of(read, scale, place.side, LAND_SLOPE_STEP));
+    return LandDetail(value_of(read.r, scale), value_of(read.g, scale), change_of(read, scale, place.side, LAND_SLOPE_STEP));
 }
 
 @if(fine_scale)
