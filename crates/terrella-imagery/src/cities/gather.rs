@@ -13,19 +13,23 @@ const ROAD_SHARE: f64 = 0.15;
 /// Most lamps of roads in a texel.
 const MOST_ROAD_LAMPS: usize = 4;
 /// Light grows with the population to this power.
-const LIGHT_BY_POPULATION: f64 = 0.75;
+const LIGHT_BY_POPULATION: f64 = 0.85;
 /// A place of so many people is one point; larger ones have districts, their number growing with the power.
 const DISTRICT_POPULATION: f64 = 20_000.0;
 const DISTRICTS_BY_POPULATION: f64 = 0.6;
 const MOST_DISTRICTS: f64 = 40.0;
 /// Spacing of the districts of a place of 100 000 people, metres, and the exponent of its growth.
-const TOWN_M: f64 = 1_100.0;
+const TOWN_M: f64 = 1_500.0;
 const TOWN_BY_POPULATION: f64 = 0.42;
-/// How many times brighter than the map's brightest texels the middle of a point is: so far its lamps are spread (standard deviation), and
-/// no less than so many metres.
-const POINT_BRIGHTNESS: f64 = 2.0;
+/// How many times brighter than the map's brightest texels the middle of a point is, at most and at least where its lamps cover built-up ground.
+const BRIGHTEST_POINT: f64 = 2.0;
+const DIMMEST_POINT: f64 = 0.15;
+/// Standard deviation of a district's lamps relative to the spacing of districts and their number, and of synthetic points relative to the
+/// radius of their part of the texel: they overlap, as built-up ground has no gaps.
+const DISTRICT_FILLS: f64 = 0.8;
+const MADE_UP_FILLS: f64 = 0.5;
+/// Smallest standard deviation of a point, metres.
 const LEAST_RADIUS_M: f64 = 100.0;
-const MOST_RADIUS_M: f64 = 1300.0;
 /// How much wider than others the widest points of the same light are.
 const RADIUS_VARIES: f64 = 2.0;
 /// Points that a texel with light has, one for so many square metres of ground as bright as the brightest lamps, and at most so many. Where
@@ -57,6 +61,8 @@ struct Part {
     at: (f64, f64),
     weight: f64,
     color: [f32; 3],
+    /// How far its built-up ground reaches (standard deviation), metres.
+    built_m: f64,
 }
 
 /// Light that each point of a map has about, square metres as above.
@@ -97,13 +103,20 @@ pub fn gather(
         let (row, column) = within(part.at, texel);
         let (v, u) = (row / height as f64, column / width as f64);
         let light = light * part.weight;
-        let radius_m = EARTH_M * (light / (TAU * POINT_BRIGHTNESS)).sqrt();
+        let radius_m = radius_of(light, part.built_m);
         let radius_m = radius_m * RADIUS_VARIES.powf(noise.next() - 0.5);
-        let radius_m = radius_m.clamp(LEAST_RADIUS_M, MOST_RADIUS_M);
+        let radius_m = radius_m.clamp(LEAST_RADIUS_M, CityLight::MOST_RADIUS_M);
         let up = up_at(u, v).as_vec3();
         let point = CityLight::new(up, light as f32, part.color.into(), radius_m);
         (cell_of(u, v), number, point)
     }));
+}
+
+/// How far lamps of so much light (square equatorial radii) are spread (standard deviation), metres: over their built-up ground, unless that is
+/// brighter or darker than towns are.
+fn radius_of(light: f64, built_m: f64) -> f64 {
+    let at_brightness = |brightness: f64| EARTH_M * (light / (TAU * brightness)).sqrt();
+    built_m.clamp(at_brightness(BRIGHTEST_POINT), at_brightness(DIMMEST_POINT))
 }
 
 /// A place as one point or as its districts, at most this many, as far as they are inside the texel.
@@ -152,6 +165,7 @@ fn districts(
             at,
             weight: (0.5 + noise.next()) / (1.0 + off),
             color: if is_own { own } else { other }.color(),
+            built_m: DISTRICT_FILLS * spread_m / (count as f64).sqrt(),
         });
     }
     let sum: f64 = parts[first..].iter().map(|part| part.weight).sum();
@@ -187,6 +201,7 @@ fn road_lamps(
             ),
             weight: weight / count as f64,
             color: lamp_of(lamp.country, noise.next() as f32).color(),
+            built_m: 0.0,
         });
     }
 }
@@ -196,6 +211,8 @@ fn made_up(texel: &Texel, wanted: f64, noise: &mut Noise, parts: &mut Vec<Part>)
     let there = parts.len();
     let count = (wanted.min(MOST_POINTS).ceil() as usize).max(1);
     let sum: f64 = parts.iter().map(|part| part.weight).sum();
+    let texel_m2 = f64::from(texel.area) * EARTH_M * EARTH_M;
+    let built_m = MADE_UP_FILLS * (texel_m2 / (PI * count as f64)).sqrt();
     let mean = if there == 0 { 1.0 } else { sum / there as f64 };
     for _ in there..count {
         let at = (
@@ -212,6 +229,64 @@ fn made_up(texel: &Texel, wanted: f64, noise: &mut Noise, parts: &mut Vec<Part>)
             // Few are bright; the mean of this is 1.
             weight: mean * (0.2 + 3.2 * noise.next().powi(3)),
             color,
+            built_m,
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layer::LayerImage;
+
+    /// In square metres, as the formula of a normal distribution has it: its middle is light / (2π σ²) bright.
+    #[test]
+    fn lamps_cover_built_up_ground_between_bounds_of_brightness() {
+        let brightness = |light_m2: f64, built_m: f64| {
+            let radius_m = radius_of(light_m2 / (EARTH_M * EARTH_M), built_m);
+            (light_m2 / (2.0 * PI * radius_m * radius_m), radius_m)
+        };
+        let (middle, radius_m) = brightness(1e6, 600.0);
+        assert!((middle - 0.442).abs() < 1e-3 && (radius_m - 600.0).abs() < 1e-9);
+        // A stadium, and a village in a wide valley.
+        assert!((brightness(1e6, 10.0).0 - BRIGHTEST_POINT).abs() < 1e-9);
+        assert!((brightness(1e4, 5e3).0 - DIMMEST_POINT).abs() < 1e-9);
+    }
+
+    /// The points of a lone town in a texel 20 km wide.
+    #[test]
+    fn districts_of_a_town_overlap() {
+        let map = LayerImage::from_r8(2048, 1024, vec![200; 2048 * 1024]).expect("a map");
+        let map = MapLight::new(&map);
+        let town = Place {
+            lat_deg: 0.09,
+            lon_deg: 0.09,
+            population: 1e6,
+            country: *b"DE",
+        };
+        let (row, column) = map.texel_at(town.lat_deg, town.lon_deg);
+        let texel = Texel {
+            row,
+            column,
+            light: 0.03,
+            area: map.area(row),
+        };
+        let mut points = Vec::new();
+        let places = [(map.number_at(town.lat_deg, town.lon_deg), town)];
+        gather(&texel, &map, &places, &[], 1e9, &mut points);
+        assert!(points.len() > 8, "{}", points.len());
+        let radius_m =
+            |point: &CityLight| f64::from(point.radius) / 255.0 * CityLight::MOST_RADIUS_M;
+        let gap = |(n, point): (usize, &CityLight)| {
+            let others = points.iter().enumerate().filter(|(m, _)| *m != n);
+            let off_m = others.map(|(_, (.., other))| {
+                let off_m = EARTH_M * f64::from(point.up.angle_between(other.up));
+                off_m / (radius_m(point) + radius_m(other))
+            });
+            off_m.fold(f64::INFINITY, f64::min)
+        };
+        let gaps = points.iter().map(|(.., point)| point).enumerate().map(gap);
+        let wide = gaps.filter(|gap| *gap > 1.5).count();
+        assert!(wide <= points.len() / 4, "{wide} of {}", points.len());
     }
 }
