@@ -41,7 +41,7 @@ mod stars;
 
 use crate::earth::{
     Earth, EarthView, EyeView, ItrfView, Pipelines, Viewport, ball_bounds, daylight_in_sight,
-    gain_beside, gain_by_moonlight,
+    gain_beside, gain_by_night,
 };
 use crate::gpu::{AirTextures, DepthBuffer, PassFormat, ShaderError};
 use crate::gpu::{
@@ -464,7 +464,7 @@ impl Celestial {
         }
         let daylight = daylight_in_sight(view, seen.sun_m.normalize_or_zero(), ellipsoid);
         let moon = (seen.moon_m.normalize_or_zero(), seen.moonlight());
-        let by_night = gain_by_moonlight(gain, view.eye_itrf_m, moon, ellipsoid);
+        let by_night = gain_by_night(gain, view.eye_itrf_m, moon, 0.0, ellipsoid);
         gain_beside(by_night, daylight)
     }
 

@@ -74,7 +74,7 @@ pub use adaptive_quality::{AdaptiveQuality, QualityChange};
 pub use appearance::Appearance;
 pub use change_maker::{ChangeMaker, ReadyChange};
 #[cfg(feature = "celestial")]
-pub(crate) use daylight::{daylight_in_sight, gain_beside, gain_by_moonlight};
+pub(crate) use daylight::{daylight_in_sight, gain_beside, gain_by_night};
 pub use diagnostics::{DiagnosticOptions, Diagnostics};
 pub use earth_view::EarthView;
 pub use error::EarthError;

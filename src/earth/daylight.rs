@@ -1,12 +1,13 @@
-//! Measures the daylight and the moonlight in an image. Stars and night lights fade by them: a camera that is exposed for sunlit ground shows neither,
-//! and one that is exposed for moonlit ground shows no airglow.
+//! Measures the daylight, the moonlight and the city lights in an image. Stars and night lights fade by them: a camera that is exposed for sunlit
+//! ground shows neither, and one that is exposed for moonlit ground or cities shows no airglow.
 
 use super::sky::{MOON_DISTANCE_M, moonlight};
 use super::view::ItrfView;
+use crate::gpu::{LAMPS_FULL_SIN, LAMPS_OUT_SIN};
 use glam::DVec3;
 use std::f64::consts::PI;
 use terrella_frames::Ellipsoid;
-use terrella_ground::light::{VIEW_RAYS, view_rays};
+use terrella_ground::light::{Lamps, VIEW_RAYS, view_rays};
 use terrella_ground::step::smooth_step;
 
 /// Fraction of the image that must be in daylight for full effect.
@@ -38,11 +39,13 @@ pub(crate) fn gain_beside(gain: f64, daylight: f64) -> f64 {
 }
 
 /// Raises the gain of a night light where the ground in sight has less than a full Moon's light. `moon` is the Moon's direction, unit, and its light as
-/// a fraction of the Sun's. It does not apply to a distant Earth, nor low over the ground, where cities fill the image.
-pub(crate) fn gain_by_moonlight(
+/// a fraction of the Sun's, `lamps` the city lights in the image. It does not apply to a distant Earth, nor low over the ground, where cities fill
+/// the image.
+pub(crate) fn gain_by_night(
     gain: f64,
     eye_itrf_m: DVec3,
     moon: (DVec3, f64),
+    lamps: f64,
     ellipsoid: &Ellipsoid,
 ) -> f64 {
     let distance = eye_itrf_m.length() / ellipsoid.equatorial_radius_m;
@@ -50,8 +53,8 @@ pub(crate) fn gain_by_moonlight(
     let part = (is_up * moon.1 / moonlight(0.0, MOON_DISTANCE_M)).min(1.0);
     let height_m = (distance - 1.0) * ellipsoid.equatorial_radius_m;
     let is_low = 1.0 - smooth_step(ABOVE_CITIES_M, height_m);
-    let part = part.max(smooth_step(FAR, distance)).max(is_low);
-    // Moonlight and the rest of the light of the night together.
+    let part = part.max(smooth_step(FAR, distance)).max(is_low).max(lamps);
+    // That light and the rest of the light of the night together.
     let rest = (WITHOUT_MOON - 1.0).recip();
     match gain > 1.0 {
         true => gain * (1.0 + rest) / (part + rest),
@@ -111,21 +114,47 @@ fn is_night_all_round(eye_itrf_m: DVec3, sun_itrf: DVec3, ellipsoid: &Ellipsoid)
     from_sun_rad.clamp(0.0, PI).cos() <= TWILIGHT[0]
 }
 
+/// City lights in the image, 0…1: the mean over it of the neighbourhoods' lamps, where they are on. Allocates nothing.
+pub(crate) fn lamps_in_sight(
+    view: &ItrfView,
+    sun_itrf: DVec3,
+    ellipsoid: &Ellipsoid,
+    lamps: &Lamps,
+) -> f64 {
+    if lamps.is_empty() {
+        return 0.0;
+    }
+    let seen = view_rays(&view.clip_from_eye).map(|ray| {
+        let (place, height_m) = lowest_along(view.eye_itrf_m, ray, ellipsoid);
+        if height_m > 0.0 {
+            return 0.0;
+        }
+        let up = place.normalize_or_zero();
+        let off = smooth_step([LAMPS_FULL_SIN, LAMPS_OUT_SIN], up.dot(sun_itrf));
+        lamps.at(up) * (1.0 - off)
+    });
+    seen.sum::<f64>() / VIEW_RAYS as f64
+}
+
 /// Daylight along a ray, 0…1: of the ground that it meets, or of the air where the ray is nearest to the ground.
 fn light_along(eye_itrf_m: DVec3, ray: DVec3, sun_itrf: DVec3, ellipsoid: &Ellipsoid) -> f64 {
+    let (place, height_m) = lowest_along(eye_itrf_m, ray, ellipsoid);
+    let density = (-height_m / AIR_SCALE_M).exp();
+    density * smooth_step(TWILIGHT, place.normalize_or_zero().dot(sun_itrf))
+}
+
+/// Where a ray meets the ground, or its lowest point, in scaled space; and the height of that above the ground, metres.
+fn lowest_along(eye_itrf_m: DVec3, ray: DVec3, ellipsoid: &Ellipsoid) -> (DVec3, f64) {
     let scale = ellipsoid.scaled_from_itrf();
     let (eye, direction) = (eye_itrf_m * scale, (ray * scale).normalize_or_zero());
     let along = (-eye.dot(direction)).max(0.0);
     let nearest = eye + along * direction;
     let height_m = (nearest.length() - 1.0) * ellipsoid.equatorial_radius_m;
-    let (place, density) = match height_m < 0.0 {
-        true => {
-            let below = (1.0 - nearest.length_squared()).max(0.0).sqrt();
-            (nearest - below * direction, 1.0)
-        }
-        false => (nearest, (-height_m / AIR_SCALE_M).exp()),
-    };
-    density * smooth_step(TWILIGHT, place.normalize_or_zero().dot(sun_itrf))
+    if height_m >= 0.0 {
+        return (nearest, height_m);
+    }
+    let below = (1.0 - nearest.length_squared()).max(0.0).sqrt();
+    (nearest - below * direction, 0.0)
 }
 
 #[cfg(test)]
@@ -224,7 +253,13 @@ mod tests {
         let eye = DVec3::X * (E.equatorial_radius_m + 4e5);
         let gain = |sine: f64, phase_rad: f64, eye: DVec3| {
             let moon = DVec3::new(sine, (1.0 - sine * sine).sqrt(), 0.0);
-            gain_by_moonlight(4e4, eye, (moon, moonlight(phase_rad, MOON_DISTANCE_M)), &E)
+            gain_by_night(
+                4e4,
+                eye,
+                (moon, moonlight(phase_rad, MOON_DISTANCE_M)),
+                0.0,
+                &E,
+            )
         };
         assert!((gain(0.9, 0.0, eye) - 4e4).abs() < 1.0);
         assert!((gain(-0.9, 0.0, eye) - 4e5).abs() < 1.0);
@@ -233,7 +268,7 @@ mod tests {
         assert!((gain(-0.9, 0.0, DVec3::X * 1e8) - 4e4).abs() < 1.0);
         assert!((gain(-0.9, 0.0, DVec3::X * 6.4e6) - 4e4).abs() < 1.0);
         // A given gain of 1 or less is no exposure.
-        assert_eq!(gain_by_moonlight(1.0, eye, (DVec3::X, 0.0), &E), 1.0);
+        assert_eq!(gain_by_night(1.0, eye, (DVec3::X, 0.0), 0.0, &E), 1.0);
         // By a quarter at most from a degree to the next.
         let mut before = gain(-1.0, 0.0, eye);
         for step in -90..=90 {
@@ -241,6 +276,30 @@ mod tests {
             assert!((0.75..=1.0 + 1e-9).contains(&(now / before)), "{step}");
             before = now;
         }
+    }
+
+    /// City lights of 0.4 everywhere.
+    #[test]
+    fn lamps_lower_the_gain_where_they_are_on_and_in_the_image() {
+        let lamps = Lamps::new(vec![0.4; 66 * 32]);
+        let eye = DVec3::X * (E.equatorial_radius_m + 4e5);
+        let seen = |look: DVec3, sun: DVec3, lamps: &Lamps| {
+            let view = EyeView::itrf(eye, look, DVec3::Z, 0.8, 16.0 / 9.0);
+            let view = view.in_itrf(Viewport::from((640, 360))).expect("a view");
+            lamps_in_sight(&view, sun, &E, lamps)
+        };
+        let all = seen(-DVec3::X, -DVec3::X, &lamps);
+        assert!((all - 0.4).abs() < 1e-6, "{all}");
+        let half = seen(DVec3::new(-0.36, 1.0, 0.0), -DVec3::X, &lamps);
+        assert!((0.1..0.3).contains(&half), "{half}");
+        assert_eq!(seen(-DVec3::X, DVec3::X, &lamps), 0.0);
+        assert_eq!(seen(DVec3::X, -DVec3::X, &lamps), 0.0);
+        assert_eq!(seen(-DVec3::X, -DVec3::X, &Lamps::default()), 0.0);
+        let gain = |moonlight, lamps| gain_by_night(4e4, eye, (DVec3::X, moonlight), lamps, &E);
+        assert!((8e4..1e5).contains(&gain(0.0, 0.4)), "{}", gain(0.0, 0.4));
+        // A full Moon is more light than that.
+        let full = moonlight(0.0, MOON_DISTANCE_M);
+        assert_eq!(gain(full, 0.4), gain(full, 0.0));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Exposure of frames: fixed, or metered from the view.
 
-use super::daylight::{daylight_in_sight, gain_beside, gain_by_moonlight};
+use super::daylight::{daylight_in_sight, gain_beside, gain_by_night, lamps_in_sight};
 use super::view::ItrfView;
 use super::{Appearance, EarthOptions, EyeView, Sky, SurfaceLight, Viewport};
 use crate::gpu::{LAMPS_FULL_SIN, LAMPS_OUT_SIN};
@@ -9,7 +9,7 @@ use glam::DVec3;
 use std::sync::Arc;
 use terrella_frames::{Ellipsoid, MoonShadow};
 use terrella_ground::air::{AirOptions, AirTables, Atmosphere};
-use terrella_ground::light::{Exposure, Meter, MeterView, NightLight};
+use terrella_ground::light::{Exposure, Lamps, Meter, MeterView, NightLight};
 use terrella_imagery::NeighbourhoodAlbedo;
 use terrella_imagery::tile::MAP_LAYERS;
 
@@ -24,6 +24,7 @@ pub(super) struct ExposureControl {
     meter: Option<Arc<Meter>>,
     /// Inputs of the meter.
     albedo: Arc<NeighbourhoodAlbedo>,
+    lamps: Arc<Lamps>,
     air: Option<AirOptions>,
     air_options: AirOptions,
 }
@@ -31,13 +32,13 @@ pub(super) struct ExposureControl {
 impl ExposureControl {
     /// Exposure control for an Earth with these options.
     pub fn new(options: &EarthOptions, atmosphere: Atmosphere) -> Self {
+        let albedo = albedo_of(options);
         let mut control = Self {
             exposure: options.exposure,
             light: options.light,
             has_lamps: has_lamps(options),
-            albedo: Arc::new(NeighbourhoodAlbedo::of_parts(|layer| {
-                options.map_albedo(layer)
-            })),
+            lamps: Arc::new(Lamps::new(albedo.lamps())),
+            albedo: Arc::new(albedo),
             air: None,
             air_options: options.air,
             meter: None,
@@ -84,6 +85,7 @@ impl ExposureControl {
     pub fn set_albedo(&mut self, albedo: &Arc<NeighbourhoodAlbedo>) {
         if !Arc::ptr_eq(&self.albedo, albedo) {
             self.albedo = albedo.clone();
+            self.lamps = Arc::new(Lamps::new(albedo.lamps()));
             self.meter = None;
             self.make_ready();
         }
@@ -96,17 +98,18 @@ impl ExposureControl {
     }
 
     fn meter(&mut self) -> &Meter {
-        let (albedo, air) = (&self.albedo, &self.air);
+        let (albedo, lamps, air) = (&self.albedo, &self.lamps, &self.air);
         self.meter.get_or_insert_with(|| {
             let air = air.as_ref().map(AirTables::shared);
             let texels = albedo.texels(&[true; MAP_LAYERS]);
-            Arc::new(Meter::new(texels, albedo.lamps(), air))
+            Arc::new(Meter::new(texels, lamps.clone(), air))
         })
     }
 
     /// The light of a frame, with the gain of night lights reduced by the daylight in it. Allocates nothing.
     pub fn light_in(&self, view: &ItrfView, sky: &Sky, ellipsoid: &Ellipsoid) -> SurfaceLight {
-        light_beside(&self.light, self.has_lamps, view, sky, ellipsoid)
+        let lamps = self.has_lamps.then_some(&*self.lamps);
+        light_beside(&self.light, lamps, view, sky, ellipsoid)
     }
 
     /// The exposure of a frame with this light, EV.
@@ -195,30 +198,40 @@ pub fn night_gain_in(options: &EarthOptions, view: &EyeView, sky: &Sky) -> Optio
     let view = view.in_itrf(Viewport::from((1, 1))).ok();
     let (view, sky) = view.zip(sky.with_unit_sun())?;
     let ellipsoid = options.figure.ellipsoid();
-    let light = light_beside(&options.light, has_lamps(options), &view, &sky, &ellipsoid);
+    let lamps = Lamps::new(albedo_of(options).lamps());
+    let lamps = has_lamps(options).then_some(&lamps);
+    let light = light_beside(&options.light, lamps, &view, &sky, &ellipsoid);
     Some(light.night_gain)
+}
+
+fn albedo_of(options: &EarthOptions) -> NeighbourhoodAlbedo {
+    NeighbourhoodAlbedo::of_parts(|layer| options.map_albedo(layer))
 }
 
 fn has_lamps(options: &EarthOptions) -> bool {
     options.layers.night_lights.is_some() || options.tiles.is_some()
 }
 
+/// `lamps` is `None` without city lights.
 fn light_beside(
     light: &SurfaceLight,
-    has_lamps: bool,
+    lamps: Option<&Lamps>,
     view: &ItrfView,
     sky: &Sky,
     ellipsoid: &Ellipsoid,
 ) -> SurfaceLight {
     let mut light = *light;
-    let has_lights = has_lamps || light.moonlight || light.glow_gain().is_some();
+    let has_lights = lamps.is_some() || light.moonlight || light.glow_gain().is_some();
     if light.night_fades_by_day && has_lights {
         let daylight = daylight_in_sight(view, sky.sun_itrf, ellipsoid);
-        // Aurora lights a night as a Moon does.
-        let by_night = match light.moonlight && light.kp.is_none() {
+        // Aurora lights a night as a Moon does. By day no gain of the night matters.
+        let by_night = match light.moonlight && light.kp.is_none() && daylight < 1.0 {
             true => {
                 let (eye, moon) = (view.eye_itrf_m, sky.moonlight());
-                gain_by_moonlight(light.night_gain, eye, moon, ellipsoid)
+                let lamps = lamps.map_or(0.0, |lamps| {
+                    lamps_in_sight(view, sky.sun_itrf, ellipsoid, lamps)
+                });
+                gain_by_night(light.night_gain, eye, moon, lamps, ellipsoid)
             }
             false => light.night_gain,
         };

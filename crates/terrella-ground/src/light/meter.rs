@@ -7,9 +7,9 @@
 //! displayed as [`SHOWN`], or darker if it is dark.
 
 use super::Exposure;
+use super::neighbourhoods::{Lamps, between};
 use crate::air::{AirTables, LUMINANCE};
 use glam::{DMat4, DVec3, Vec3, Vec4};
-use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use terrella_frames::{MoonShadow, SUN_RADIUS_RAD};
 
@@ -30,9 +30,6 @@ const RANGE_EV: [f64; 2] = [-4.0, 6.0];
 /// Largest factor by which the airglow layer is brighter along it than from below, on one side of a
 /// ray.
 const MOST_SLANT: f64 = 12.0;
-/// Columns and rows of the albedo map: the whole Earth, north row first, left edge at 180° W. The last column is repeated before
-/// the first, and the first after the last.
-const METER_ALBEDO: [usize; 2] = [66, 32];
 /// Scale height of the air at the limb, equatorial radii.
 const AIR_SCALE: f64 = 8e3 / 6.378e6;
 
@@ -83,17 +80,16 @@ pub struct NightLight {
 
 /// Meters views of one Earth.
 pub struct Meter {
-    /// Albedo of the ground with its clouds, RGB, [`METER_ALBEDO`] texels.
+    /// Albedo of the ground with its clouds, RGB, by neighbourhoods.
     albedo: Vec<Vec4>,
-    /// Lamps in the same texels, the brightest being 1; empty without lamps.
-    lamps: Vec<f32>,
+    lamps: Arc<Lamps>,
     /// The atmosphere, if there is one.
     air: Option<Arc<AirTables>>,
 }
 
 impl Meter {
-    /// `albedo` has `METER_ALBEDO` texels, and so does `lamps` unless empty.
-    pub fn new(albedo: Vec<Vec4>, lamps: Vec<f32>, air: Option<Arc<AirTables>>) -> Self {
+    /// `albedo` has a texel for each neighbourhood, as [`Lamps::new`] takes them.
+    pub fn new(albedo: Vec<Vec4>, lamps: Arc<Lamps>, air: Option<Arc<AirTables>>) -> Self {
         Self { albedo, lamps, air }
     }
 
@@ -130,7 +126,7 @@ impl Meter {
             // The atmosphere sends about as much light up as down, and more along a slanted view.
             let before = sky * (0.5 / root.max(0.25)) as f32;
             let (night, sun_sin) = (&view.night, up.dot(view.lights[0].0));
-            let lamps = night.lamps * f64::from(self.lamps_at(up)) * on(night.lamp_sins, sun_sin);
+            let lamps = night.lamps * self.lamps.at(up) * on(night.lamp_sins, sun_sin);
             let glow = match above > night.airglow_height {
                 true => night.airglow_along(q) * on(night.airglow_sins, sun_sin),
                 false => 0.0,
@@ -205,14 +201,6 @@ impl Meter {
         let texel = |at: usize| self.albedo.get(at).copied().unwrap_or_default();
         between(up, texel).truncate()
     }
-
-    fn lamps_at(&self, up: DVec3) -> f32 {
-        let texel = |at: usize| Vec4::splat(self.lamps.get(at).copied().unwrap_or_default());
-        match self.lamps.is_empty() {
-            true => 0.0,
-            false => between(up, texel).x,
-        }
-    }
 }
 
 impl NightLight {
@@ -228,23 +216,6 @@ impl NightLight {
 fn on([full, out]: [f64; 2], sun_sin: f64) -> f64 {
     let t = ((out - sun_sin) / (out - full).max(1e-9)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
-}
-
-/// Texel value at a place, interpolated between texel centres.
-fn between(up: DVec3, texel: impl Fn(usize) -> Vec4) -> Vec4 {
-    let [columns, rows] = METER_ALBEDO;
-    // The first column repeats the last one.
-    let u = (up.y.atan2(up.x) / TAU + 0.5) * (columns - 2) as f64 + 0.5;
-    let v = (0.5 - up.z.clamp(-1.0, 1.0).asin() / PI) * rows as f64 - 0.5;
-    let at = |column: f64, row: f64| {
-        let column = column.clamp(0.0, (columns - 1) as f64) as usize;
-        let row = row.clamp(0.0, (rows - 1) as f64) as usize;
-        texel(row * columns + column)
-    };
-    let (left, top) = (u.floor(), v.floor());
-    let (across, down) = ((u - left) as f32, (v - top) as f32);
-    let line = |row| at(left, row).lerp(at(left + 1.0, row), across);
-    line(top).lerp(line(top + 1.0), down)
 }
 
 fn luminance(light: Vec3) -> f64 {
@@ -271,6 +242,7 @@ fn mean_of_brightest(values: &mut [(f64, f64)], part: f64) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::neighbourhoods::{COLUMNS, ROWS};
     use super::*;
     use glam::dcamera;
     use terrella_frames::Ellipsoid;
@@ -279,8 +251,8 @@ mod tests {
 
     fn meter(albedo: f32) -> Meter {
         Meter::new(
-            vec![Vec4::splat(albedo); METER_ALBEDO[0] * METER_ALBEDO[1]],
-            Vec::new(),
+            vec![Vec4::splat(albedo); COLUMNS * ROWS],
+            Arc::default(),
             None,
         )
     }
@@ -343,9 +315,8 @@ mod tests {
             airglow_sins: [-0.2, -0.1],
             airglow_height: 0.015,
         };
-        let count = METER_ALBEDO[0] * METER_ALBEDO[1];
         let lit = Meter {
-            lamps: vec![0.1; count],
+            lamps: Arc::new(Lamps::new(vec![0.1; COLUMNS * ROWS])),
             ..meter(0.0)
         };
         let ev = |meter: &Meter, sun: DVec3, night| {

@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `exposure.rs` | exposure values, fixed or metered, and adaptation over time |
 //! | `meter.rs` | metered exposure of a view |
+//! | `neighbourhoods.rs` | coarse maps for it |
 //! | `display_slope.rs` | slopes of those curves |
 //! | `bloom.rs` | light scattered by a lens |
 //! | `aperture.rs` | light diffracted by its aperture |
@@ -30,6 +31,7 @@ mod grade;
 mod grain;
 mod hdr;
 mod meter;
+mod neighbourhoods;
 mod response;
 mod response_text;
 mod srgb;
@@ -45,6 +47,7 @@ pub use grade::Grade;
 pub use grain::{GRAIN_BITS, GRAIN_INCREMENT, GRAIN_MULTIPLIER, GRAIN_SCALE, GRAIN_SHIFT, Grain};
 pub use hdr::{Hdr, HdrTransfer};
 pub use meter::{Meter, MeterView, NightLight, VIEW_RAYS, view_rays};
+pub use neighbourhoods::Lamps;
 pub use response::Response;
 pub use response_text::{MAX_RESPONSE_BYTES, ResponseError};
 pub use tone::Tone;
