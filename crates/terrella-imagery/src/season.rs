@@ -24,6 +24,15 @@ const ICE: [f32; 3] = [222.0, 230.0, 237.0];
 /// open. The taiga of the starter map has 22 to 35, farmland 40 to 80.
 const SEEN_IN_FORESTS: f32 = 0.4;
 const FORESTS: [f32; 2] = [26.0, 44.0];
+/// How much more green than red a summer's land of the day map has at least, sRGB, that is without leaves beside snow, and from where on it is wholly so.
+/// The taiga has 5 to 10, deciduous woods 16 to 20.
+const LEAVES: [f32; 2] = [6.0, 18.0];
+/// Land loses its leaves while the cover with snow rises to this.
+const LEAFLESS: [f32; 2] = [0.0, 0.3];
+/// What the excess of green adds to red, green and blue of leafless land: the browns and greys of bark and litter.
+const BARK: [f32; 3] = [0.7, -0.35, 0.4];
+/// Ice between these means of many years is drawn as none to all: in one year it has an edge.
+const ICE_EDGE: [f32; 2] = [0.3, 0.8];
 /// Brightness below which bluish texels are water, sRGB.
 const LAKES: f32 = 110.0;
 
@@ -70,7 +79,7 @@ impl Season {
         }
         Ok(Some(Self {
             snow: Cover::between(&maps, 0, year_fraction),
-            ice: Cover::between(&maps, MONTHS, year_fraction),
+            ice: Cover::between(&maps, MONTHS, year_fraction).between_edges(ICE_EDGE),
         }))
     }
 
@@ -234,6 +243,14 @@ impl Cover {
         }
     }
 
+    /// The same cover with all of the rise from none to whole between two values.
+    fn between_edges(mut self, edges: [f32; 2]) -> Self {
+        for value in &mut self.values {
+            *value = smooth(edges, *value);
+        }
+        self
+    }
+
     /// The two rows that a row of a map of this height lies between, and its place between them, 0…1.
     fn rows_about(&self, row: usize, height: usize) -> ([&[f32]; 2], f32) {
         let rows = self.values.len() / self.width;
@@ -296,10 +313,21 @@ fn paint_texel(texel: &mut [u8; 4], water: f32, snow: f32, ice: f32) {
     // The texel's colour is that of its land and its ice.
     let (land, ice) = (1.0 - water, water * ice);
     let shown = (land + ice).max(1e-3);
+    let color = match is_lake {
+        true => color,
+        false => without_leaves(color, snow),
+    };
     for (channel, code) in texel.iter_mut().take(3).enumerate() {
         let of_land = color[channel] + white * (SNOW[channel].max(color[channel]) - color[channel]);
         *code = ((land * of_land + ice * ICE[channel]) / shown + 0.5) as u8;
     }
+}
+
+/// The colour of land in a season with this cover of snow.
+fn without_leaves(color: [f32; 3], snow: f32) -> [f32; 3] {
+    let green = color[1] - color[0];
+    let lost = smooth(LEAVES, green) * smooth(LEAFLESS, snow) * green;
+    std::array::from_fn(|channel| color[channel] + BARK[channel] * lost)
 }
 
 fn smooth([first, last]: [f32; 2], value: f32) -> f32 {
@@ -470,6 +498,21 @@ mod tests {
         assert_eq!(painted([15, 25, 50]), 15);
         assert_eq!(painted_with([15, 25, 50], 1.0), SNOW[0] as u8);
         assert_eq!(painted([255, 255, 255]), 255);
+    }
+
+    #[test]
+    fn woods_lose_their_leaves_and_the_taiga_does_not() {
+        let painted = |color: [u8; 3], snow: f32| {
+            let mut texel = [color[0], color[1], color[2], 255];
+            paint_texel(&mut texel, 0.0, snow, 0.0);
+            [texel[0], texel[1], texel[2]].map(i32::from)
+        };
+        // Woods of Pennsylvania with a little snow in the fields, and none.
+        let [red, green, blue] = painted([30, 49, 14], 0.3);
+        assert!(red >= green - 5 && green > blue, "{red} {green} {blue}");
+        assert_eq!(painted([30, 49, 14], 0.0), [30, 49, 14]);
+        let [red, green, _] = painted([29, 35, 14], 0.3);
+        assert!(green > red, "{red} {green}");
     }
 
     #[test]
