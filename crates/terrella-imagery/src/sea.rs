@@ -17,8 +17,13 @@ const MOSTLY_WET: u8 = 215;
 const WET: u8 = 250;
 /// Rings of texels that land is grown by: first from land alone; then also from islands too far from any.
 const RINGS: [usize; 2] = [8, 12];
+/// How often the colours of islands are averaged with those around them: texels of little land have colours of much noise.
+const ISLAND_SMOOTHINGS: usize = 2;
 /// Texels around one in which the colour of its sea is looked for.
 const SEA_REACH: isize = 3;
+
+/// Least share of land for which the colour of a mixture is divided by it: noise grows as much.
+const LEAST_DRY: f32 = 0.3;
 
 /// Depth of the sea's floor for alpha 1, metres: deeper floors reflect no light that leaves the water.
 pub const FLOOR_SEEN_M: f64 = 40.0;
@@ -126,6 +131,17 @@ pub(super) fn grow_land(rgba: &mut [u8], width: usize, water: &LayerImage) {
             }
         }
     }
+    for _ in 0..ISLAND_SMOOTHINGS {
+        let smooth: Vec<_> = islands
+            .iter()
+            .map(|n| mean_land(rgba, &known, &[near(*n).as_slice(), &[*n]].concat()))
+            .collect();
+        for (n, color) in islands.iter().zip(smooth) {
+            if let Some(color) = color {
+                rgba[4 * n..4 * n + 3].copy_from_slice(&color);
+            }
+        }
+    }
 }
 
 /// Gives each row of a map, `width` texels to a row, and of each of its texels the greatest value of the texels around it.
@@ -214,14 +230,16 @@ fn without_sea(rgba: &[u8], n: usize, water: &[u8], width: usize) -> [u8; 3] {
     let Some(sea) = mean_color(rgba, near.filter(|n| water[*n] > WET)) else {
         return here;
     };
-    let dry = f32::from(255 - water[n]) / 255.0;
+    let dry = (f32::from(255 - water[n]) / 255.0).max(LEAST_DRY);
     let mut color = [0, 1, 2].map(|channel| {
         let (here, sea) = (f32::from(here[channel]), f32::from(sea[channel]));
         (sea + (here - sea) / dry).clamp(0.0, 255.0)
     });
-    // Noise of the mixture that is bluer than any land is desaturated.
+    // Noise of the mixture that is bluer or redder than any land is desaturated.
     color[2] = color[2].min(0.9 * color[1].max(color[0]));
     color[0] = color[0].max(0.8 * color[1]);
+    color[1] = color[1].max(0.65 * color[0]);
+    color[2] = color[2].max(0.35 * color[0]);
     color.map(|value| value as u8)
 }
 
@@ -529,6 +547,21 @@ mod tests {
             );
         }
         assert_eq!(at(80, 30), SEA);
+    }
+
+    /// A texel of sea with a little red noise, as JPEG leaves it at coasts.
+    #[test]
+    fn little_land_is_not_red() {
+        let mut rgba = [27, 67, 120, 255].repeat(49);
+        let mut water = [255; 49];
+        rgba[4 * 24..4 * 24 + 3].copy_from_slice(&[60, 70, 100]);
+        water[24] = 210;
+        let [red, green, blue] = without_sea(&rgba, 24, &water, 7).map(f32::from);
+        assert!(red < 140.0, "{red}");
+        assert!(
+            green > 0.6 * red && blue > 0.3 * red,
+            "{red} {green} {blue}"
+        );
     }
 
     #[test]
