@@ -39,6 +39,7 @@ pub fn mended(mut map: Map, data: &Path) -> Result<Map> {
     drop(south);
     let depth_m = depths(&data.join("terrain/elev_merged_4096x2048_u16_offset11000.png"))?;
     mend_shelf(&mut map, &depth_m);
+    mend_reds(&mut map);
     map.mend_step(0, 24);
     PoleMend {
         from_deg: 20.0,
@@ -87,6 +88,22 @@ fn depths(path: &Path) -> Result<Vec<f32>> {
         .iter()
         .map(|value| 11_000.0 - f32::from(*value))
         .collect())
+}
+
+/// Ratios of codes of green and blue to that of red which redder land is moved towards, and the part of the distance that is kept.
+const RED_SOIL: [f32; 2] = [0.78, 0.62];
+const KEPT_RED: f32 = 0.6;
+
+/// Reduces the saturation of red deserts, which look crimson through the blue of the air. Dark land and land that is less red stays.
+fn mend_reds(map: &mut Map) {
+    for texel in map.values.as_chunks_mut::<3>().0 {
+        let red = texel[0].max(1.0);
+        let is_red = smooth_step(0.8, 0.7, f64::from(texel[1] / red));
+        let share = (is_red * smooth_step(40.0, 70.0, f64::from(red))) as f32;
+        for (value, soil) in texel[1..].iter_mut().zip(RED_SOIL) {
+            *value += share * (1.0 - KEPT_RED) * (soil * red - *value).max(0.0);
+        }
+    }
 }
 
 /// Blue Marble's colour of the sea at depths of 25 to 250 m: the median over the shelves of the Arctic and the Bering Sea.
