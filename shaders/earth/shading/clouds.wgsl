@@ -120,6 +120,8 @@ fn air_of_clouds(at: SurfacePoint, clouds: CloudsBefore, sun: vec3f) -> AirOfClo
 
 // Maximum slope of a cloud's top: a map's noise must not look like towers.
 const STEEPEST: f32 = 0.7;
+// Most light of a low Sun on a facet, relative to level ground.
+const MOST_FACING: f32 = 4.0;
 // Distance towards the Sun of the second sample of a cloud's top, equatorial radii: 1 km with detail.
 @if(detail) const CLOUD_STEP: f32 = 1.6e-4;
 // Height of the tops of single clouds, relative to that of weather systems.
@@ -141,7 +143,15 @@ fn sun_on_top(at: SurfacePoint, clouds: CloudsBefore, sun: vec3f) -> f32 {
     @if(detail) let there = Detail(soft.value + dot(clouds.uneven.change, along), soft.variance);
     @if(detail) let rise = top_with_detail(mapped, there) - top_with_detail(clouds.mapped, soft);
     let slope = clamp(rise / step, -STEEPEST, STEEPEST);
-    return max((upward - slope * flat_) * inverseSqrt(1.0 + slope * slope), CLOUD_SIDES);
+    let cosine = (upward - slope * flat_) * inverseSqrt(1.0 + slope * slope);
+    return max(shaded_by_clouds(cosine, upward), CLOUD_SIDES);
+}
+
+// Light of a Sun at the cosine `level` to level ground, on a facet at a cosine to it, past the facets before it. Of equal facets facing the Sun and away from
+// it, the former get twice the light of level ground (Torrance and Sparrow 1967, J. Opt. Soc. Am. 57, 1105); clouds that stand alone get more.
+fn shaded_by_clouds(cosine: f32, level: f32) -> f32 {
+    let most = MOST_FACING * max(level, 0.02) * (1.0 + 2.0 * level);
+    return cosine * (1.0 + level / most) / (1.0 + max(cosine, 0.0) / most);
 }
 
 // Height of a cloud's top above those of thin clouds, equatorial radii. Smoother than the cover, as light is diffused inside a cloud: hard flanks
