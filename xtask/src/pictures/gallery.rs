@@ -9,19 +9,11 @@ use std::path::Path;
 
 const SIZE_PX: (u32, u32) = (320, 180);
 
-/// Scenes that start in the dark, each with a time by day.
-const BY_DAY: [(&str, &str); 4] = [
-    ("csv", "2018-01-15T13:00:00Z"),
-    ("czml", "2018-01-15T13:00:00Z"),
-    ("kepler", "2018-01-15T13:07:00Z"),
-    ("omm", "2018-01-15T12:30:00Z"),
-];
-
 const HEAD: &str = "# Gallery
 
 <!-- Made from config/README.md and the scenes: cargo xtask pictures gallery -->
 
-The scenes that come with the program, at the start of each or at the time in its command. Run a command in the checkout, or in `share/terrella` of an installed
+The scenes that come with the program, at the start of each. Run a command in the checkout, or in `share/terrella` of an installed
 program. `terrella play` instead of `terrella frame` opens a scene in a window. Scenes with `terrella play` wait for a simulator. [config/README.md](../config/README.md) says what scenes are, and
 [the first still](start/first-still.md) how to install the program.
 
@@ -45,7 +37,7 @@ pub fn draw(terrella: &Path) -> Result<()> {
             simulated::draw(terrella, &root.join("config"), name, SIZE_PX, &picture)?;
         } else {
             let scene = format!("config/{name}.toml");
-            frame(terrella, &root, &scene, SIZE_PX, &at(name), &picture)?;
+            frame(terrella, &root, &scene, SIZE_PX, &[], &picture)?;
         }
         let out = root.join(format!("docs/gallery/{name}.jpg"));
         sheet::write(&sheet::read(&picture)?, sheet::SMALL, &out)?;
@@ -64,23 +56,12 @@ fn scenes(table: &str) -> Vec<(&str, &str)> {
     rows.collect()
 }
 
-/// The option for a time other than the scene's start.
-fn at(scene: &str) -> Vec<&'static str> {
-    let times = BY_DAY.iter().filter(|(name, _)| *name == scene);
-    times.flat_map(|(_, time)| ["--at", *time]).collect()
-}
-
 /// The page, with two scenes per row.
 fn page(scenes: &[(&str, &str)]) -> String {
     let cell = |(name, description): &(&str, &str)| {
         let command = match WAITING.contains(name) {
             true => format!("terrella play config/{name}.toml"),
-            false => {
-                let file = format!("config/{name}.toml");
-                let out = format!("{name}.png");
-                let words = [&["terrella", "frame", &file][..], &at(name), &["-o", &out]];
-                words.concat().join(" ")
-            }
+            false => format!("terrella frame config/{name}.toml -o {name}.png"),
         };
         format!(
             "![{description}](gallery/{name}.jpg)<br>[{name}](../config/{name}.toml): {description}<br>`{command}`"
