@@ -5,7 +5,7 @@ use image::RgbImage;
 
 /// Dusk over Europe and Africa: half of the ground is lit.
 const DUSK: &str = "[time]\nstart = \"2018-03-20T18:00:00Z\"\n[camera]\nmode = \"geodetic\"\nlat_deg = 25\nlon_deg = 5\nheight_km = 6000\nfov_deg = 60\n";
-/// Midnight there, without a Moon.
+/// Midnight over the Alps, without a Moon.
 const NIGHT: &str = "[time]\nstart = \"2018-03-17T23:40:00Z\"\n[camera]\nmode = \"geodetic\"\nlat_deg = 45\nlon_deg = 8\nheight_km = 600\nheading_deg = 0\npitch_deg = -45\nfov_deg = 60\n";
 /// Half of the Earth, farther away than the Moon.
 const FAR: &str = "[time]\nstart = \"2018-03-20T18:00:00Z\"\n[camera]\nmode = \"geodetic\"\nlat_deg = 25\nlon_deg = 5\nheight_km = 400000\nfov_deg = 60\n";
@@ -51,17 +51,32 @@ fn cities_and_airglow_do_not_shine_beside_the_sunlit_earth() {
 }
 
 #[test]
-fn a_night_without_moon_has_its_whole_gain() {
+fn a_night_without_moon_has_its_whole_gain_where_there_are_no_cities() {
     let place = Place::new();
-    for (look, gain) in [("standard", "150000"), ("full", "400000")] {
-        let scene = format!("{NIGHT}[earth]\nlook = \"{look}\"\n");
+    let at_sea = NIGHT
+        .replace("lat_deg = 45", "lat_deg = -45")
+        .replace("lon_deg = 8", "lon_deg = -10");
+    for (look, gain, night) in [("standard", "150000", NIGHT), ("full", "400000", &at_sea)] {
+        let scene = format!("{night}[earth]\nlook = \"{look}\"\n");
         let shown = draw(&place, &scene, &[]);
         let asked = draw(&place, &scene, &[&format!("earth.night_gain={gain}")]);
         assert!(shown == asked, "{look}");
         let dark = draw(&place, &scene, &["earth.night_gain=1"]);
         let lit = farthest(&shown, &dark);
-        assert!(lit > 60, "{look}: {lit}");
+        assert!(lit > if night == NIGHT { 60 } else { 5 }, "{look}: {lit}");
     }
+    let scene = format!("{NIGHT}[earth]\nlook = \"full\"\n");
+    let sum = |sets: &[&str]| {
+        let picture = draw(&place, &scene, sets);
+        picture
+            .as_raw()
+            .iter()
+            .map(|code| u64::from(*code))
+            .sum::<u64>()
+    };
+    let gains = ["earth.night_gain=40000", "earth.night_gain=200000"];
+    let (least, shown, most) = (sum(&gains[..1]), sum(&[]), sum(&gains[1..]));
+    assert!((least..most).contains(&shown), "{least} {shown} {most}");
 }
 
 #[test]
