@@ -91,7 +91,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_fault_is_told_once_and_a_lost_device_for_good() {
+    fn the_first_fault_is_reported_once_and_a_lost_device_for_good() {
         let faults = GpuFaults::default();
         assert_eq!(faults.take(), None);
         faults.note(GpuFault::Validation("one".into()));

@@ -372,7 +372,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_foretold_is_forgotten() {
+    fn what_was_predicted_is_forgotten() {
         let mut curve = Curve::new(1000);
         let whole = window(-100.0, 0.0, 100.0);
         curve.follow(whole, ALWAYS, &mut 1000, along);

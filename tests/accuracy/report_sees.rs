@@ -203,7 +203,7 @@ fn a_coarse_mesh_costs_the_silhouette_and_nothing_else() {
 }
 
 #[test]
-fn a_view_without_a_limb_is_told_that_of_the_whole_horizon() {
+fn a_view_without_a_limb_is_given_that_of_the_whole_horizon() {
     let place = Geodetic::from_degrees(10.0, 10.0, 2e5);
     let eye = FIGURE.itrf_from_geodetic(place);
     let view = EyeView::itrf(eye, -eye, glam::DVec3::Z, 0.8, 16.0 / 9.0);

@@ -84,9 +84,9 @@ fn accesses_are_passes_and_the_same_in_every_layout() {
 fn places_of_the_command_line_are_stations() {
     let place = Place::new();
     let tle = format!("{}/config/orbits/iss.tle", crate::REPOSITORY);
-    let told = place.fail(2, &["access", &tle]);
+    let reported = place.fail(2, &["access", &tle]);
     for remedy in ["--place LAT,LON,NAME", "[[station]]", "--crosslinks"] {
-        assert!(told.contains(remedy), "{told}");
+        assert!(reported.contains(remedy), "{reported}");
     }
     let ask = |more: &[&str]| {
         let asked = ["access", &tle, "--days", "1"];
@@ -135,8 +135,8 @@ fn places_of_the_command_line_are_stations() {
     assert!(!of(&of_scene, "Vienna,").is_empty());
     assert_eq!(of(&of_scene, "Vienna,"), of(&of_place, "Again,"));
     for bad in ["91,0,Vienna", "48.2", "48.2,16.4,", "48.2,16.4,1e9,High"] {
-        let told = place.fail(2, &["access", &tle, "--place", bad]);
-        assert!(told.contains("--place"), "{told}");
+        let reported = place.fail(2, &["access", &tle, "--place", bad]);
+        assert!(reported.contains("--place"), "{reported}");
     }
     place.fail(2, &["access", &tle, "--min-elevation", "5"]);
 }

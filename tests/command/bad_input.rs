@@ -102,13 +102,13 @@ fn a_bad_star_file_is_named_and_left_out_unless_strict() {
     std::fs::write(place.path("sky/stars.bin"), b"TRSTARS1\x02\0\0\0short").expect("a file");
     let sky = "[output]\nsize = [32, 32]\n[sky]\nfolder = \"sky\"\n";
     place.scene("sky.toml", sky);
-    let told = place.succeed(&["check", "sky.toml"]);
-    let told = String::from_utf8_lossy(&told.stdout);
+    let reported = place.succeed(&["check", "sky.toml"]);
+    let reported = String::from_utf8_lossy(&reported.stdout);
     for words in [
         "stars.bin: it announces 2 stars but has 5 bytes",
         "moon.jpg is missing",
     ] {
-        assert!(told.contains(words), "{told}");
+        assert!(reported.contains(words), "{reported}");
     }
     let drawn = place.succeed(&["frame", "sky.toml", "-o", "a.png", "--stats", "a.json"]);
     let drawn = String::from_utf8_lossy(&drawn.stderr);
@@ -124,7 +124,7 @@ fn a_bad_star_file_is_named_and_left_out_unless_strict() {
 }
 
 #[test]
-fn what_cannot_be_written_is_told_before_drawing() {
+fn what_cannot_be_written_is_reported_before_drawing() {
     let place = Place::new();
     place.scene("a_file", "");
     // The requested adapter does not exist: an error about the file shows that it was checked first.

@@ -40,7 +40,7 @@ fn a_run_is_written_and_compared_with_an_earlier_one() {
         "-q",
     ];
     let output = place.succeed(&[&RUN[..], &files].concat());
-    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    let reported = String::from_utf8_lossy(&output.stdout).into_owned();
     for word in [
         "frame over floor",
         "378022",
@@ -48,7 +48,7 @@ fn a_run_is_written_and_compared_with_an_earlier_one() {
         "GeForce 6800",
         "clouds",
     ] {
-        assert!(told.contains(word), "no {word:?} in: {told}");
+        assert!(reported.contains(word), "no {word:?} in: {reported}");
     }
     assert_eq!(place.names(), ["a.csv", "a.json", "new", "small.toml"]);
     let report = json(&place, "a.json");
@@ -93,8 +93,8 @@ fn a_run_is_written_and_compared_with_an_earlier_one() {
     {
         assert_eq!(report["unmeasured"][0]["name"], "anisotropy");
         assert!(
-            told.contains("not measured: the adapter is software"),
-            "{told}"
+            reported.contains("not measured: the adapter is software"),
+            "{reported}"
         );
     }
     let arguments = report["arguments"].as_array().expect("arguments");
@@ -306,7 +306,7 @@ fn rejects_others(place: &Place, report: &Value) {
 }
 
 #[test]
-fn what_cannot_be_written_or_read_is_told_before_measuring() {
+fn what_cannot_be_written_or_read_is_reported_before_measuring() {
     let place = Place::new();
     place.scene("a_file", "");
     place.scene("garbage.json", "not a report");

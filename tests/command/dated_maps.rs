@@ -228,7 +228,7 @@ fn a_strict_scene_looks_at_all_maps_of_its_span_first() {
         let mut renderer = OffscreenRenderer::open(gpu, options, SIZE).expect("a renderer");
         renderer.show_dated_maps(&flight)
     };
-    shown(43_200.0, "").expect("told when it comes");
+    shown(43_200.0, "").expect("reported when it comes");
     let error = shown(43_200.0, "strict = true").expect_err("a file that is no map");
     assert!(error.to_string().contains("12.png"), "{error}");
     shown(3600.0, "strict = true").expect("it is not drawn with that file");

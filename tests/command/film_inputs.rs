@@ -83,10 +83,10 @@ impl Film {
         words(&resumed)
     }
 
-    fn rejected(&self, change: impl FnOnce(), told: &str) {
+    fn rejected(&self, change: impl FnOnce(), reported: &str) {
         let words = self.resumed_after(change, 1);
         let advice = words.contains("another film") && words.contains("--overwrite");
-        assert!(words.contains(told) && advice, "{words}");
+        assert!(words.contains(reported) && advice, "{words}");
     }
 }
 

@@ -176,7 +176,7 @@ fn films_are_not_mixed() {
     let words = place.fail(1, &resume);
     assert!(words.contains("the scene has changed"), "{words}");
     place.scene("small.toml", SMALL);
-    for (corrupt, told) in [
+    for (corrupt, reported) in [
         (&b"{"[..], "no page of frames"),
         (b"{\"format\": \"other\"}", "its format is \"other\""),
         (b"[1]", "no page of frames"),
@@ -188,7 +188,7 @@ fn films_are_not_mixed() {
         std::fs::write(place.path("a/frames.json"), corrupt).expect("writes");
         let words = place.fail(1, &resume);
         assert!(
-            words.contains(told) && words.contains("--overwrite"),
+            words.contains(reported) && words.contains("--overwrite"),
             "{words}"
         );
     }

@@ -106,13 +106,13 @@ fn another_decoder_reads_the_light_of_hdr_pictures() {
     // MaxCLL and MaxFALL, in 0.0001 cd/m².
     let levels = pq.info.content_light_level.expect("cLLI");
     let mean = sum / pq.pixels.len() as f64;
-    for (told, found) in [
+    for (reported, found) in [
         (levels.max_content_light_level, brightest),
         (levels.max_frame_average_light_level, mean),
     ] {
         assert!(
-            (f64::from(told) * 1e-4 - found).abs() < 0.1,
-            "{told} {found}"
+            (f64::from(reported) * 1e-4 - found).abs() < 0.1,
+            "{reported} {found}"
         );
     }
     assert!(hlg.info.content_light_level.is_none());

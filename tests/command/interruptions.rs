@@ -90,23 +90,23 @@ fn interrupt(arguments: &[&str]) {
         let output = end(child);
         // The signal may arrive when the last file has its name and only the process is left to end.
         let had_finished = output.status.success() && sent.elapsed() < FINISHING;
-        let told = format!(
+        let reported = format!(
             "{arguments:?}, {signal} after {moment_ms} ms: {}",
             words(&output)
         );
-        assert!(!told.contains("panicked"), "{told}");
+        assert!(!reported.contains("panicked"), "{reported}");
         // Before its handler is installed, the signal itself ends it; and a run that has just finished exits normally.
         use std::os::unix::process::ExitStatusExt;
         let by_signal =
             output.status.signal().map(|number| 128 + number) == Some(code) && moment_ms < 50;
-        let is_told = output.status.code() == Some(code);
+        let is_reported = output.status.code() == Some(code);
         assert!(
-            is_told || by_signal || has_ended || had_finished,
-            "{:?}, {told}",
+            is_reported || by_signal || has_ended || had_finished,
+            "{:?}, {reported}",
             output.status
         );
-        interrupted += u32::from(is_told);
-        assert_eq!(unfinished(place.folder.path()), [""; 0], "{told}");
+        interrupted += u32::from(is_reported);
+        assert_eq!(unfinished(place.folder.path()), [""; 0], "{reported}");
     }
     assert!(
         interrupted >= 2,

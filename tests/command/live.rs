@@ -369,11 +369,11 @@ fn what_has_no_meaning_with_a_simulators_time_is_rejected_with_advice() {
         let said = place.fail(2, arguments);
         assert!(said.contains(part), "{arguments:?}: {said}");
     }
-    let told = place.succeed(&["check", "taken.toml"]);
-    let told = String::from_utf8(told.stdout).expect("UTF-8");
+    let reported = place.succeed(&["check", "taken.toml"]);
+    let reported = String::from_utf8(reported.stdout).expect("UTF-8");
     assert!(
-        told.contains("when a simulator sends on tcp://127.0.0.1:"),
-        "{told}"
+        reported.contains("when a simulator sends on tcp://127.0.0.1:"),
+        "{reported}"
     );
     assert_eq!(place.names(), ["live.toml", "small.toml", "taken.toml"]);
 }

@@ -135,8 +135,8 @@ fn an_ephemeris_message_flies_as_the_satellite_does() {
     }
     // The reported interpolation error of distant states equals that of a reader half-way between them.
     let output = place.succeed(&["orbit", "iss.toml", "--every", "300", "--oem", "iss.oem"]);
-    let told = words(&output);
-    let told_m = told
+    let reported = words(&output);
+    let reported_m = reported
         .split_whitespace()
         .rev()
         .nth(1)
@@ -153,8 +153,8 @@ fn an_ephemeris_message_flies_as_the_satellite_does() {
     }
     assert!(worst_m > 1.0, "{worst_m} m");
     assert!(
-        told_m.is_some_and(|told_m| (told_m - worst_m).abs() < 1e-3),
-        "{told}: {worst_m} m"
+        reported_m.is_some_and(|reported_m| (reported_m - worst_m).abs() < 1e-3),
+        "{reported}: {worst_m} m"
     );
     assert_eq!(
         place.names(),
@@ -284,7 +284,7 @@ fn files_that_cannot_be_written_are_found_before_the_run() {
 }
 
 #[test]
-fn sources_and_starts_that_cannot_be_are_told_at_the_line_of_the_scene() {
+fn sources_and_starts_that_cannot_be_are_reported_at_the_line_of_the_scene() {
     let place = Place::new();
     let station = std::fs::read_to_string(config("orbits/iss.tle")).expect("the elements");
     std::fs::write(place.path("iss.tle"), &station).expect("writes");
@@ -333,10 +333,10 @@ fn a_corrupt_record_of_another_satellite_is_passed_over_unless_strict() {
     std::fs::write(place.path("two.tle"), station + &corrupt).expect("writes");
     let scene = "[orbit]\nfile = \"two.tle\"\n";
     place.scene("loose.toml", &format!("{scene}name = \"25544\"\n"));
-    let told = place.printed(&["check", "loose.toml"]);
+    let reported = place.printed(&["check", "loose.toml"]);
     assert!(
-        told.contains("skipped") && told.contains("checksum"),
-        "{told}"
+        reported.contains("skipped") && reported.contains("checksum"),
+        "{reported}"
     );
     place.scene(
         "strict.toml",
@@ -400,12 +400,12 @@ fn the_table_of_orientation_moves_places_on_the_ground() {
     let turned = (plain.place.lon_rad - with.place.lon_rad).abs();
     assert!((3e-5..4.5e-5).contains(&turned), "{turned}");
 
-    let told = place.printed(&["check", "plain.toml"]);
-    assert!(told.contains("420 m"), "{told}");
-    let told = place.printed(&["check", "with.toml"]);
+    let reported = place.printed(&["check", "plain.toml"]);
+    assert!(reported.contains("420 m"), "{reported}");
+    let reported = place.printed(&["check", "with.toml"]);
     assert!(
-        told.contains("measured until") && !told.contains("420 m"),
-        "{told}"
+        reported.contains("measured until") && !reported.contains("420 m"),
+        "{reported}"
     );
     place.scene(
         "late.toml",
@@ -484,7 +484,7 @@ fn satellites_that_are_not_followed_need_not_be_known_throughout() {
 }
 
 #[test]
-fn burns_change_a_motion_and_its_events_are_told() {
+fn burns_change_a_motion_and_its_events_are_reported() {
     let place = Place::new();
     // A circle of 7000 km about a point: 5829 s a turn, twice in the scene's time.
     let scene = |more: &str| {
@@ -513,28 +513,28 @@ fn burns_change_a_motion_and_its_events_are_told() {
     let (plain, burnt) = (radius_km("plain.toml"), radius_km("burn.toml"));
     assert!((plain - 7000.0).abs() < 1e-3, "{plain}");
     assert!((burnt - 7371.0).abs() < 15.0, "{burnt}");
-    let told = place.printed(&["orbit", "events.toml", "--events", "--csv"]);
-    let rows: Vec<Vec<&str>> = told
+    let reported = place.printed(&["orbit", "events.toml", "--events", "--csv"]);
+    let rows: Vec<Vec<&str>> = reported
         .lines()
         .skip(1)
         .map(|row| row.split(',').collect())
         .collect();
     let of = |kind: &str| rows.iter().filter(|row| row[2] == kind).count();
-    assert_eq!(told.lines().next(), Some("name,epoch_utc,event"));
-    assert!(rows.iter().all(|row| row[0] == "Probe"), "{told}");
+    assert_eq!(reported.lines().next(), Some("name,epoch_utc,event"));
+    assert!(rows.iter().all(|row| row[0] == "Probe"), "{reported}");
     // From 10° past the ascending node on, two turns and a bit.
     assert_eq!(
         (of("ascending node"), of("descending node")),
         (2, 2),
-        "{told}"
+        "{reported}"
     );
     assert_eq!(
         (of("periapsis"), of("apoapsis"), of("impact")),
         (0, 0, 0),
-        "{told}"
+        "{reported}"
     );
-    assert_eq!(of("eclipse begins"), of("eclipse ends"), "{told}");
-    assert!(of("eclipse begins") >= 1, "{told}");
+    assert_eq!(of("eclipse begins"), of("eclipse ends"), "{reported}");
+    assert!(of("eclipse begins") >= 1, "{reported}");
     assert!(
         rows.windows(2).all(|pair| pair[0][1] <= pair[1][1]),
         "in order of time"
@@ -542,6 +542,6 @@ fn burns_change_a_motion_and_its_events_are_told() {
     // The shadow of the ellipsoid beside that of the force model's sphere.
     assert!(
         of("umbra begins") >= 1 && of("penumbra ends") >= 1,
-        "{told}"
+        "{reported}"
     );
 }

@@ -60,9 +60,12 @@ fn shown_tile(place: &Place, storage: &str) -> PathBuf {
 #[test]
 fn a_pack_is_built_verified_shown_and_drawn_alike_in_both_storages() {
     let place = with_pack();
-    let told = place.succeed(&["pack", "info", "earth"]);
-    let told = String::from_utf8_lossy(&told.stdout).into_owned();
-    assert!(told.contains("day.png") && told.contains("64"), "{told}");
+    let reported = place.succeed(&["pack", "info", "earth"]);
+    let reported = String::from_utf8_lossy(&reported.stdout).into_owned();
+    assert!(
+        reported.contains("day.png") && reported.contains("64"),
+        "{reported}"
+    );
     place.succeed(&["--quiet", "pack", "verify", "earth"]);
     place.succeed(&["pack", "preview", "earth", "-o", "sheet.png"]);
     assert!(png_size(&place.path("sheet.png")).0 > 100);
@@ -116,14 +119,17 @@ fn a_damaged_tile_is_named_and_the_picture_is_drawn_coarser_there() {
 
     let output = place.run(&["--quiet", "pack", "verify", "earth"]);
     assert_eq!(output.status.code(), Some(1));
-    let told = words(&output) + &String::from_utf8_lossy(&output.stdout);
-    assert!(told.contains("tiles/plain/day/64/r3c10.ktx2"), "{told}");
+    let reported = words(&output) + &String::from_utf8_lossy(&output.stdout);
+    assert!(
+        reported.contains("tiles/plain/day/64/r3c10.ktx2"),
+        "{reported}"
+    );
 
     let output = place.succeed(&["frame", "a.toml", "-o", "bad.png", "--stats", "bad.json"]);
-    let told = words(&output);
+    let reported = words(&output);
     assert!(
-        told.contains("r3c10") && told.contains("pack verify"),
-        "{told}"
+        reported.contains("r3c10") && reported.contains("pack verify"),
+        "{reported}"
     );
     let tiles = stats(&place, "bad.json").tiles.expect("numbers of tiles");
     assert!(tiles.failures > 0 && tiles.fallbacks > 0, "{tiles:?}");
@@ -151,8 +157,11 @@ fn a_coarsest_tile_that_is_damaged_is_replaced_by_finer_ones() {
     scene(&place, "a.toml", "levels = \"paper\"");
     std::fs::write(place.path("earth/tiles/plain/day/16/r3c10.ktx2"), b"KTX").expect("writes");
     let output = place.succeed(&["frame", "a.toml", "-o", "a.png"]);
-    let told = words(&output);
-    assert!(told.contains("r3c10") && told.contains("finer"), "{told}");
+    let reported = words(&output);
+    assert!(
+        reported.contains("r3c10") && reported.contains("finer"),
+        "{reported}"
+    );
 }
 
 #[test]
@@ -164,21 +173,21 @@ fn what_is_no_pack_is_rejected_with_advice() {
     let text = std::fs::read_to_string(&manifest).expect("a manifest");
 
     std::fs::write(&manifest, text.replace("pixels = 64", "pixels = 65")).expect("writes");
-    let told = place.fail(1, &draw);
-    assert!(told.contains("pack.toml"), "{told}");
+    let reported = place.fail(1, &draw);
+    assert!(reported.contains("pack.toml"), "{reported}");
 
     std::fs::remove_file(&manifest).expect("removes");
-    let told = place.fail(1, &draw);
-    assert!(told.contains("pack build"), "{told}");
+    let reported = place.fail(1, &draw);
+    assert!(reported.contains("pack build"), "{reported}");
     // Known before anything is drawn.
-    assert_eq!(place.fail(1, &["check", "a.toml"]), told);
+    assert_eq!(place.fail(1, &["check", "a.toml"]), reported);
 
     std::fs::write(&manifest, &text).expect("writes");
     scene(&place, "a.toml", "clouds = true");
-    let told = place.fail(2, &draw);
+    let reported = place.fail(2, &draw);
     assert!(
-        told.contains("a.toml:14") && told.contains("clouds"),
-        "{told}"
+        reported.contains("a.toml:14") && reported.contains("clouds"),
+        "{reported}"
     );
 
     place.succeed(&[
@@ -202,8 +211,8 @@ fn what_is_no_pack_is_rejected_with_advice() {
         "b.toml",
         &text.replace("atmosphere", "storage = \"plain\"\natmosphere"),
     );
-    let told = place.fail(2, &["frame", "b.toml", "-o", "a.png"]);
-    assert!(told.contains("only as bc"), "{told}");
+    let reported = place.fail(2, &["frame", "b.toml", "-o", "a.png"]);
+    assert!(reported.contains("only as bc"), "{reported}");
     // Without being forced it is decoded and drawn.
     place.scene("b.toml", &text);
     place.succeed(&["--quiet", "frame", "b.toml", "-o", "b.png"]);
@@ -334,16 +343,16 @@ fn a_scene_that_wants_heights_of_a_pack_without_is_rejected() {
         "a.toml",
         "surface = \"quadtree\"\npack_heights = true",
     );
-    let told = place.fail(2, &["frame", "a.toml", "-o", "a.png"]);
+    let reported = place.fail(2, &["frame", "a.toml", "-o", "a.png"]);
     for word in [
         "a.toml:15: [earth] pack_heights: ",
         "the pack earth has no elevation data",
         "elevation = [",
         "--heights",
     ] {
-        assert!(told.contains(word), "{told}");
+        assert!(reported.contains(word), "{reported}");
     }
     // Known before anything is drawn.
-    assert_eq!(place.fail(2, &["check", "a.toml"]), told);
+    assert_eq!(place.fail(2, &["check", "a.toml"]), reported);
     assert!(!place.names().contains(&"a.png".to_owned()));
 }

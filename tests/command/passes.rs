@@ -164,8 +164,8 @@ fn start_moves_tables_and_is_named_where_at_has_no_meaning() {
     // The built-in station has a stand-in at other dates.
     place.printed(&[&["orbit", "iss.toml", "--start", "now"], &passes[..]].concat());
     for more in [&passes[..], &["--events"], &["--days", "2"]] {
-        let told = place.fail(2, &[&["orbit", "iss.toml", "--at", "now"], more].concat());
-        assert!(told.contains("--start now"), "{told}");
+        let reported = place.fail(2, &[&["orbit", "iss.toml", "--at", "now"], more].concat());
+        assert!(reported.contains("--start now"), "{reported}");
     }
     place.fail(2, &[&start[..], &["--at", "now"]].concat());
 }

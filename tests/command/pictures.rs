@@ -187,7 +187,7 @@ fn missing_folders_of_files_are_made() {
 }
 
 #[test]
-fn a_map_that_is_not_there_is_left_out_and_told_of() {
+fn a_map_that_is_not_there_is_left_out_and_reported() {
     let place = Place::new();
     white_maps(&place);
     place.scene("loose.toml", "[earth]\ntextures = \"white\"\n");
@@ -197,10 +197,13 @@ fn a_map_that_is_not_there_is_left_out_and_told_of() {
     );
     let checked = place.succeed(&["check", "loose.toml"]);
     let checked = String::from_utf8_lossy(&checked.stdout).into_owned();
-    let told = checked.split("missing, so left out").nth(1).expect("told");
+    let reported = checked
+        .split("missing, so left out")
+        .nth(1)
+        .expect("reported");
     assert!(
-        told.contains("clouds") && told.contains("night_lights.png"),
-        "{told}"
+        reported.contains("clouds") && reported.contains("night_lights.png"),
+        "{reported}"
     );
     let drawn = place.succeed(&[
         "frame",
@@ -231,7 +234,7 @@ fn a_map_that_is_not_there_is_left_out_and_told_of() {
 }
 
 #[test]
-fn a_metered_exposure_is_told_and_the_same_each_time() {
+fn a_metered_exposure_is_reported_and_the_same_each_time() {
     let place = Place::new();
     let scene = crate::SMALL.replace("[output]", "[output]\nexposure_ev = \"auto\"");
     place.scene("auto.toml", &scene);
@@ -240,7 +243,7 @@ fn a_metered_exposure_is_told_and_the_same_each_time() {
         place.succeed(&["frame", "auto.toml", "-o", &png, "--stats", &json]);
         let text = std::fs::read_to_string(place.path(&json)).expect("reads");
         let stats: serde_json::Value = serde_json::from_str(&text).expect("JSON");
-        let ev = stats["exposure_ev"].as_f64().expect("told");
+        let ev = stats["exposure_ev"].as_f64().expect("reported");
         (std::fs::read(place.path(&png)).expect("reads"), ev)
     };
     let (picture, ev) = frame("a");

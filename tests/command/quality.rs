@@ -105,7 +105,7 @@ fn quality_follows_the_frames_of_a_scene_down_and_up() {
 }
 
 #[test]
-fn a_frame_time_out_of_reach_is_told() {
+fn a_frame_time_out_of_reach_is_reported() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut player = Player::open(folder.path(), 20.0);
     // The last level takes a fifth of it.

@@ -120,7 +120,7 @@ fn without_any_adapter_the_reference_draws() {
 }
 
 #[test]
-fn bad_scenes_and_outputs_are_told_as_ever() {
+fn bad_scenes_and_outputs_are_reported_as_ever() {
     let place = Place::new();
     place.scene("bad.toml", "[camera]\nfov_deg = 0\n");
     let words = place.fail(2, &arguments("bad.toml", &[]));
@@ -229,11 +229,11 @@ fn an_interrupt_leaves_nothing_behind() {
         .stderr(std::process::Stdio::piped())
         .spawn()
         .expect("the command starts");
-    let mut told = BufReader::new(child.stderr.take().expect("piped"));
+    let mut reported = BufReader::new(child.stderr.take().expect("piped"));
     let mut line = String::new();
     while !line.contains("rays a pixel") {
         line.clear();
-        let read = told.read_line(&mut line).expect("reads");
+        let read = reported.read_line(&mut line).expect("reads");
         assert!(read > 0, "it ends without drawing");
     }
     assert_eq!(place.names().len(), 3, "the unfinished file");
@@ -250,7 +250,7 @@ fn an_interrupt_leaves_nothing_behind() {
         std::thread::sleep(std::time::Duration::from_millis(20));
     }
     let mut rest = String::new();
-    told.read_to_string(&mut rest).expect("reads");
+    reported.read_to_string(&mut rest).expect("reads");
     let status = child.wait().expect("ends");
     assert_eq!(status.code(), Some(130), "{rest}");
     assert!(rest.contains("interrupted"), "{rest}");

@@ -204,7 +204,7 @@ fn an_interrupted_report_is_whole_rows_and_says_so() {
 }
 
 #[test]
-fn what_cannot_be_reported_is_told_before_drawing() {
+fn what_cannot_be_reported_is_reported_before_drawing() {
     let place = Place::new();
     place.scene("a_file", "");
     place.scene("wrong.toml", "[camera]\nfov_deg = 180\n");
@@ -327,7 +327,7 @@ fn surfaces_are_compared() {
             (0.0..=100.0).contains(&number(row, "elsewhere_percent")),
             "{row:?}"
         );
-        assert_eq!(row["told_px_most"], "", "blocks know no bound");
+        assert_eq!(row["reported_px_most"], "", "blocks know no bound");
     }
     let times = table(&folder.join("surfaces_times.csv"));
     assert_eq!(times.len(), 4, "each frame that was timed");

@@ -30,11 +30,12 @@ fn several_satellites_come_in_one_table() {
     let one = place.printed(&["orbit", "three.toml", "--json", "--satellite", "Three"]);
     let one: serde_json::Value = serde_json::from_str(&one).expect("JSON");
     assert_eq!(one["name"], "Three");
-    let told = place.succeed(&[&["orbit", "three.toml", "--oem", "two.oem"], &two[..]].concat());
+    let reported =
+        place.succeed(&[&["orbit", "three.toml", "--oem", "two.oem"], &two[..]].concat());
     assert!(
-        words(&told).contains("Three: 11 states"),
+        words(&reported).contains("Three: 11 states"),
         "{}",
-        words(&told)
+        words(&reported)
     );
     let oem = Ephemerides::from_file(&place.path("two.oem"), true).expect("an OEM");
     assert_eq!(oem.feeds.len(), 2);
@@ -73,14 +74,14 @@ fn corrupt(place: &Place) {
 }
 
 #[test]
-fn a_bad_line_is_told_and_rejected_only_when_strict() {
+fn a_bad_line_is_reported_and_rejected_only_when_strict() {
     let place = Place::new();
     corrupt(&place);
     let output = place.succeed(&["orbit", "flown.toml", "--json"]);
-    let told = words(&output);
+    let reported = words(&output);
     assert!(
-        told.contains("skipped: ") && told.contains("sat.oem:22:1: "),
-        "{told}"
+        reported.contains("skipped: ") && reported.contains("sat.oem:22:1: "),
+        "{reported}"
     );
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!(json["states"].as_array().map(Vec::len), Some(11));
@@ -142,7 +143,7 @@ fn the_source_s_own_error_is_shown() {
 const FALL: &str = "[orbit]\nsource = \"numerical\"\nname = \"Fall\"\nsemi_major_axis_km = 6538\narea_m2 = 80\nmass_kg = 500\ninclination_deg = 51.6\n";
 
 #[test]
-fn an_impact_is_told_with_its_time_and_place() {
+fn an_impact_is_reported_with_its_time_and_place() {
     let place = Place::new();
     // An explicit duration is rejected, with the event that limits the validity.
     place.scene("asked.toml", &format!("[time]\nduration_s = 20000\n{FALL}"));
@@ -158,12 +159,12 @@ fn an_impact_is_told_with_its_time_and_place() {
     // One that is not is shortened.
     place.scene("usual.toml", FALL);
     let output = place.succeed(&["orbit", "usual.toml", "--json"]);
-    let told = words(&output);
+    let reported = words(&output);
     assert!(
-        told.contains("is shortened from its default, 5580,"),
-        "{told}"
+        reported.contains("is shortened from its default, 5580,"),
+        "{reported}"
     );
-    assert!(told.contains("meets the ground at"), "{told}");
+    assert!(reported.contains("meets the ground at"), "{reported}");
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let (states, impact) = (json["states"].as_array().expect("states"), &json["impact"]);
     let last = states.last().expect("a state");
@@ -212,8 +213,8 @@ fn the_usual_duration_is_shortened_to_what_an_ephemeris_holds() {
         "back.toml",
         &format!("[time]\nstart = 2018-01-15T12:05:00Z\nspeed = -60\n{orbit}"),
     );
-    let told = place.printed(&["check", "back.toml"]);
-    assert!(told.contains("to 300:"), "{told}");
+    let reported = place.printed(&["check", "back.toml"]);
+    assert!(reported.contains("to 300:"), "{reported}");
     place.scene(
         "end.toml",
         &format!("[time]\nstart = 2018-01-15T12:10:00Z\n{orbit}"),
@@ -232,10 +233,11 @@ fn a_scene_of_another_year_flies_a_stand_in() {
     let place = Place::new();
     place.scene("today.toml", "[time]\nstart = 2026-07-01T00:00:00Z\n");
     let output = place.succeed(&["orbit", "today.toml", "--json"]);
-    let told = words(&output);
+    let reported = words(&output);
     assert!(
-        told.contains("ISS stand-in is not where the International Space Station is at 2026-07-01"),
-        "{told}"
+        reported
+            .contains("ISS stand-in is not where the International Space Station is at 2026-07-01"),
+        "{reported}"
     );
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!(json["name"], "ISS stand-in");
@@ -312,12 +314,12 @@ fn one_table_flies_many_satellites_of_a_file() {
     assert_eq!(names("beside.toml").len(), 151);
     let output = place.succeed(&["check", "beside.toml"]);
     let text = String::from_utf8(output.stdout).expect("UTF-8");
-    for told in [
+    for reported in [
         "satellites that match \"CHAIN*\" of sets.tle: 150",
         "OTHER 3 of sets.tle",
         "151 satellites in all; terrella orbit --names lists them",
     ] {
-        assert!(text.contains(told), "{told}: {text}");
+        assert!(text.contains(reported), "{reported}: {text}");
     }
     assert_eq!(text.matches("[[orbit]]").count(), 2, "{text}");
     assert!(text.lines().count() < 400, "{text}");
@@ -333,7 +335,7 @@ fn one_table_flies_many_satellites_of_a_file() {
     let text = String::from_utf8(output.stdout).expect("UTF-8");
     assert_eq!(text.lines().count(), 156);
 
-    for (keys, told) in [
+    for (keys, reported) in [
         (
             "all = \"NONE*\"",
             "sets.tle has no such satellite; terrella orbit sets.tle --names",
@@ -345,7 +347,7 @@ fn one_table_flies_many_satellites_of_a_file() {
         place.scene("bad.toml", &format!("{orbit}{keys}\n"));
         let error = words(&place.run(&["check", "bad.toml"]));
         assert!(
-            error.contains("bad.toml:4: [orbit] all") && error.contains(told),
+            error.contains("bad.toml:4: [orbit] all") && error.contains(reported),
             "{error}"
         );
     }

@@ -75,7 +75,7 @@ fn first_state(place: &Place, arguments: &[&str]) -> String {
 #[test]
 fn a_scene_without_a_start_begins_at_its_satellites_own_time() {
     let place = orbits();
-    for (source, file, told) in [
+    for (source, file, reported) in [
         ("tle", "my.tle", "epoch of the elements of ISS (ZARYA)"),
         ("omm", "my.omm", "epoch of the elements of POLAR"),
         ("oem", "my.oem", "first state of Falling"),
@@ -89,7 +89,7 @@ fn a_scene_without_a_start_begins_at_its_satellites_own_time() {
         let line = summary.lines().find(|line| line.contains("  start "));
         let line = line.expect("a line of the start");
         assert!(line.contains("2026-11-25T12:00:00Z"), "{line}");
-        assert!(line.contains(told), "{line}");
+        assert!(line.contains(reported), "{line}");
         // Explicit values take precedence.
         let given = format!("[time]\nstart = \"2026-11-25T12:30:00Z\"\nduration_s = 60\n{text}");
         place.scene("a.toml", &given);
@@ -141,8 +141,8 @@ fn several_satellites_begin_with_the_one_that_is_followed() {
     assert!(summary.contains("last state of Low"), "{summary}");
     // The built-in station flies a stand-in at that time.
     place.scene("a.toml", "[[orbit]]\nfile = \"my.tle\"\n[[orbit]]\n");
-    let told = words(&place.succeed(&["check", "a.toml"]));
-    assert!(told.contains("ISS stand-in is not where"), "{told}");
+    let reported = words(&place.succeed(&["check", "a.toml"]));
+    assert!(reported.contains("ISS stand-in is not where"), "{reported}");
 }
 
 #[test]
@@ -190,26 +190,29 @@ fn files_of_orbits_are_flown_without_a_scene() {
     // Another satellite is another film.
     place.succeed(&[&film[..], &small, &["--resume"]].concat());
     place.scene("my.tle", &elements(WEATHER));
-    let told = place.fail(1, &[&film[..], &small, &["--resume"]].concat());
+    let reported = place.fail(1, &[&film[..], &small, &["--resume"]].concat());
     assert!(
-        told.contains("changed files: my.tle (orbit.file)"),
-        "{told}"
+        reported.contains("changed files: my.tle (orbit.file)"),
+        "{reported}"
     );
 }
 
 #[test]
 fn one_of_several_satellites_is_chosen_by_name_or_number() {
     let place = orbits();
-    let told = place.fail(1, &["check", "two.tle"]);
+    let reported = place.fail(1, &["check", "two.tle"]);
     for word in ["ISS (ZARYA) (25544", "NOAA 20 (43013", "by --satellite"] {
-        assert!(told.contains(word), "no {word}: {told}");
+        assert!(reported.contains(word), "no {word}: {reported}");
     }
     for chosen in ["noaa 20", "43013"] {
         let summary = checked(&place, &["two.tle", "--satellite", chosen]);
         assert!(summary.contains("2026-11-24T06:00:00Z"), "{summary}");
     }
-    let told = place.fail(1, &["play", "two.tle", "--satellite", "NOAA 21"]);
-    assert!(told.contains("nearest name is \"NOAA 20\""), "{told}");
+    let reported = place.fail(1, &["play", "two.tle", "--satellite", "NOAA 21"]);
+    assert!(
+        reported.contains("nearest name is \"NOAA 20\""),
+        "{reported}"
+    );
     let both = ["--satellite", "25544", "--satellite", "43013"];
     let output = place.succeed(&[&["orbit", "two.tle"], &both[..], &["--csv"]].concat());
     let table = String::from_utf8(output.stdout).expect("UTF-8");
@@ -220,11 +223,11 @@ fn one_of_several_satellites_is_chosen_by_name_or_number() {
     ];
     let one = ["--satellite", "25544"];
     place.succeed(&[&film[..], &one].concat());
-    let told = place.fail(1, &[&film[..], &both, &["--resume"]].concat());
-    assert!(told.contains("the scene has changed"), "{told}");
+    let reported = place.fail(1, &[&film[..], &both, &["--resume"]].concat());
+    assert!(reported.contains("the scene has changed"), "{reported}");
     // For scenes the message refers to the scene.
-    let told = place.fail(2, &["check", "small.toml", "--satellite", "X"]);
-    assert!(told.contains("follow under [camera]"), "{told}");
+    let reported = place.fail(2, &["check", "small.toml", "--satellite", "X"]);
+    assert!(reported.contains("follow under [camera]"), "{reported}");
 }
 
 #[test]
@@ -237,40 +240,40 @@ fn what_is_neither_a_scene_nor_a_file_of_orbits_is_said_to_be_so() {
     std::fs::write(place.path("a.bin"), [0xff_u8, 0xd8, 0xff, 0x00]).expect("writes");
     for file in ["notes.txt", "data.json", "page.html", "other.kvn", "a.bin"] {
         for command in ["check", "play", "orbit"] {
-            let told = place.fail(2, &[command, file]);
-            assert!(told.contains(file), "{told}");
-            assert!(told.contains("nor is it an orbit file"), "{told}");
+            let reported = place.fail(2, &[command, file]);
+            assert!(reported.contains(file), "{reported}");
+            assert!(reported.contains("nor is it an orbit file"), "{reported}");
         }
     }
     // A known but unsupported message is named, with the remedy.
     place.scene("re-entry.txt", "CCSDS_RDM_VERS = 1.0\nORIGINATOR = X\n");
-    let told = place.fail(1, &["check", "re-entry.txt"]);
-    assert!(told.contains("(RDM) has a prediction"), "{told}");
+    let reported = place.fail(1, &["check", "re-entry.txt"]);
+    assert!(reported.contains("(RDM) has a prediction"), "{reported}");
     place.scene("sat.txt", "CCSDS_OCM_VERS = 3.0\nORIGINATOR = X\n");
     for command in ["check", "play", "orbit"] {
-        let told = place.fail(1, &[command, "sat.txt"]);
+        let reported = place.fail(1, &[command, "sat.txt"]);
         assert!(
-            told.contains("(OCM) is not read; export its trajectory as an OEM"),
-            "{told}"
+            reported.contains("(OCM) is not read; export its trajectory as an OEM"),
+            "{reported}"
         );
     }
     // Files with a known extension must have its format, scenes too.
     place.scene("a.tle", "nothing\n");
-    let told = place.fail(1, &["check", "a.tle"]);
+    let reported = place.fail(1, &["check", "a.tle"]);
     assert!(
-        told.contains("a.tle:1: \"nothing\" is neither an element line"),
-        "{told}"
+        reported.contains("a.tle:1: \"nothing\" is neither an element line"),
+        "{reported}"
     );
     place.scene("a.csv", "a,b\n1,2\n");
     assert!(place.fail(1, &["check", "a.csv"]).contains("no ephemeris"));
     place.scene("a.toml", &elements(STATION));
-    let told = place.fail(2, &["check", "a.toml"]);
+    let reported = place.fail(2, &["check", "a.toml"]);
     assert!(
-        told.contains("is not TOML") && !told.contains("orbits"),
-        "{told}"
+        reported.contains("is not TOML") && !reported.contains("orbits"),
+        "{reported}"
     );
-    let told = place.fail(2, &["check", "missing.tle"]);
-    assert!(told.contains("or of an orbit file"), "{told}");
+    let reported = place.fail(2, &["check", "missing.tle"]);
+    assert!(reported.contains("or of an orbit file"), "{reported}");
 }
 
 #[test]
@@ -306,10 +309,10 @@ fn now_is_the_time_of_the_systems_clock() {
         before.as_secs_f64() - 1.0,
         clock().expect("so").as_secs_f64(),
     );
-    let told = since(first);
+    let reported = since(first);
     assert!(
-        (least..=most).contains(&told),
-        "{told} from {least} to {most}"
+        (least..=most).contains(&reported),
+        "{reported} from {least} to {most}"
     );
     assert!(checked(&place, &["now.toml"]).contains("line 2 of the file, \"now\""));
     let at = first_state(&place, &["now.toml", "--at", "now"]);
@@ -339,9 +342,12 @@ fn films_of_now_are_not_mixed() {
     let start = page["start_utc"].as_str().expect("a start").to_owned();
     assert_eq!(page["film"]["start_utc"], start.as_str());
     std::thread::sleep(Duration::from_millis(1_100));
-    let told = place.fail(1, &[&film[..], &["--resume"]].concat());
-    assert!(told.contains(&format!("it begins at {start}")), "{told}");
-    assert!(told.contains(&format!("--start {start}")), "{told}");
+    let reported = place.fail(1, &[&film[..], &["--resume"]].concat());
+    assert!(
+        reported.contains(&format!("it begins at {start}")),
+        "{reported}"
+    );
+    assert!(reported.contains(&format!("--start {start}")), "{reported}");
     // According to the message.
     place.succeed(&[&film[..], &["--resume", "--start", &start]].concat());
     let page = std::fs::read_to_string(place.path("a/frames.json")).expect("a page");
@@ -357,8 +363,8 @@ fn films_of_now_are_not_mixed() {
     );
     let live = "[orbit]\nsource = \"live\"\nlisten = \"udp://127.0.0.1:0\"\n";
     place.scene("live.toml", live);
-    let told = place.fail(2, &["play", "live.toml", "--start", "now"]);
-    assert!(told.contains("simulator sets the time"), "{told}");
+    let reported = place.fail(2, &["play", "live.toml", "--start", "now"]);
+    assert!(reported.contains("simulator sets the time"), "{reported}");
 }
 
 /// An equatorial circle of 6778 km at the equinox, at noon over it and half a revolution later: light from start, shadow from
@@ -372,7 +378,7 @@ fn equinox(true_anomaly_deg: u32, duration_s: u32) -> String {
 }
 
 #[test]
-fn a_films_light_size_and_encoder_are_told_before_and_its_files_after() {
+fn a_films_light_size_and_encoder_are_reported_before_and_its_files_after() {
     let place = Place::new();
     // A revolution takes 5553.6 s; 39.1 % of it is behind the disc, and 0.1 % in the penumbra.
     place.scene("round.toml", &equinox(0, 5554));

@@ -32,27 +32,27 @@ fn rows_are_on_the_grid_and_as_long_as_days_say() {
         (rows, words(&output))
     };
     // Half an hour in steps of 700 s: 0, 700 and 1400 s, and the end for those who ask for it.
-    let (rows, told) = ask(&["--every", "700"]);
+    let (rows, reported) = ask(&["--every", "700"]);
     assert_eq!(rows.len(), 3, "{rows:?}");
-    assert!(!told.contains("end at"), "{told}");
+    assert!(!reported.contains("end at"), "{reported}");
     let (rows, _) = ask(&["--every", "700", "--include-end"]);
     assert_eq!(rows.len(), 4, "{rows:?}");
     assert!(rows[3].starts_with("2018-01-15T12:30:00"), "{rows:?}");
-    let (rows, told) = ask(&["--every", "3600", "--days", "1"]);
+    let (rows, reported) = ask(&["--every", "3600", "--days", "1"]);
     assert_eq!(rows.len(), 25, "{rows:?}");
-    assert!(!told.contains("end at"), "{told}");
+    assert!(!reported.contains("end at"), "{reported}");
     let (_, end) = Sgp4Feed::built_in_iss().expect("built in").validity();
     for more in [
         &["--every", "3600"][..],
         &["--passes", "48.2,16.4"],
         &["--events"],
     ] {
-        let (rows, told) = ask(&[&["--days", "40"], more].concat());
+        let (rows, reported) = ask(&[&["--days", "40"], more].concat());
         assert!(rows.len() > 100, "{rows:?}");
         let end = terrella::frames::rfc3339(end);
         assert!(
-            told.contains(&format!("the elements end at {end}")),
-            "{told}"
+            reported.contains(&format!("the elements end at {end}")),
+            "{reported}"
         );
     }
     for bad in [&["--at", "now"][..], &["--names"]] {

@@ -85,7 +85,7 @@ fn the_tables_say_what_is_asked_for() {
 }
 
 #[test]
-fn bad_input_is_told_before_anything_is_built() {
+fn bad_input_is_reported_before_anything_is_built() {
     let place = Place::new();
     for bad in [
         &["terrain"][..],

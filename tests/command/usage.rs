@@ -133,13 +133,19 @@ fn help_ends_with_examples_and_lists_global_options_apart() {
 #[test]
 fn unknown_options_and_commands_are_answered_by_their_meaning() {
     let place = Place::new();
-    let told = place.fail(2, &["play", "small.toml", "--fps", "24"]);
-    assert!(told.contains("frame_rate_hz under [time]"), "{told}");
-    let told = place.fail(2, &["render", "small.toml"]);
-    assert!(told.contains("terrella frame SCENE -o OUT.png"), "{told}");
+    let reported = place.fail(2, &["play", "small.toml", "--fps", "24"]);
+    assert!(
+        reported.contains("frame_rate_hz under [time]"),
+        "{reported}"
+    );
+    let reported = place.fail(2, &["render", "small.toml"]);
+    assert!(
+        reported.contains("terrella frame SCENE -o OUT.png"),
+        "{reported}"
+    );
     place.scene("dem.toml", "[earth]\ndem = \"alps.tif\"\n");
-    let told = place.fail(2, &["check", "dem.toml"]);
-    assert!(told.contains("did you mean elevation?"), "{told}");
+    let reported = place.fail(2, &["check", "dem.toml"]);
+    assert!(reported.contains("did you mean elevation?"), "{reported}");
 }
 
 #[test]
@@ -173,8 +179,8 @@ fn completions_and_man_pages_go_to_standard_output() {
         );
     }
     place.fail(2, &["completions", "tcsh"]);
-    let told = place.fail(1, &["man", "fly"]);
-    assert!(told.contains("terrella man --list"), "{told}");
+    let reported = place.fail(1, &["man", "fly"]);
+    assert!(reported.contains("terrella man --list"), "{reported}");
 }
 
 #[test]

@@ -199,7 +199,7 @@ fn tracked_files_are_small() {
 }
 
 #[test]
-fn terms_of_dependencies_are_told() {
+fn terms_of_dependencies_are_reported() {
     let repository = Repository::open();
     none(licences::faults(
         &repository.text("deny.toml"),
@@ -280,7 +280,7 @@ fn pages_install_our_own_distribution() {
 }
 
 #[test]
-fn one_address_of_the_source_is_told() {
+fn one_address_of_the_source_is_given() {
     let repository = Repository::open();
     let manifest = repository.text("Cargo.toml");
     let address = packages::string(&manifest, "workspace.package", "repository");
@@ -357,12 +357,15 @@ fn the_first_page_says_how_to_have_the_command() {
     let manifest = repository.text("Cargo.toml");
     let rust = packages::string(&manifest, "workspace.package", "rust-version");
     let first = repository.text("README.md");
-    for (page, told) in [
+    for (page, reported) in [
         ("README.md", format!("Rust {rust} or later")),
         ("docs/embedding/python.md", format!("Rust {rust} or later")),
         ("docs/embedding/bevy.md", format!("is built by {rust} too")),
     ] {
-        assert!(repository.text(page).contains(&told), "{page}: {told}");
+        assert!(
+            repository.text(page).contains(&reported),
+            "{page}: {reported}"
+        );
     }
     let install = first.find("cargo install --path crates/terrella-cli --locked");
     let used = first.find("\nterrella ");

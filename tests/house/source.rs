@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn characters_and_lifetimes_are_told_apart() {
+    fn characters_and_lifetimes_are_distinguished() {
         assert_eq!(
             names("fn f<'a>(x: &'a str) { ('\"', '\\'', '\\u{41}', 'x'); end }"),
             ["fn", "f", "a", "x", "a", "str", "end"]

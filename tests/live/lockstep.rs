@@ -307,7 +307,7 @@ fn frames_come_on_standard_input() {
 }
 
 #[test]
-fn whoever_waits_when_the_feed_ends_is_told_so() {
+fn whoever_waits_when_the_feed_ends_is_reported_so() {
     for transport in ["tcp", "udp", "pipe"] {
         let (read, mut pipe) = std::io::pipe().unwrap();
         let (mut answers, write) = std::io::pipe().unwrap();
@@ -339,7 +339,10 @@ fn whoever_waits_when_the_feed_ends_is_told_so() {
             ("udp", _) => socket.recv(&mut bytes).unwrap(),
             _ => answers.read(&mut bytes).unwrap(),
         };
-        let told = String::from_utf8_lossy(&bytes[..length]);
-        assert!(told.contains("the feed is closed"), "{transport}: {told:?}");
+        let reported = String::from_utf8_lossy(&bytes[..length]);
+        assert!(
+            reported.contains("the feed is closed"),
+            "{transport}: {reported:?}"
+        );
     }
 }

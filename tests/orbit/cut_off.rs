@@ -52,8 +52,8 @@ fn csv(rows: &[String]) -> String {
 
 fn read(text: &str, is_strict: bool) -> Result<Vec<String>, String> {
     let read = Ephemerides::from_text(text, Path::new("x"), is_strict);
-    let told = |read: Ephemerides| read.faults.iter().map(ToString::to_string).collect();
-    read.map(told).map_err(|error| error.to_string())
+    let reported = |read: Ephemerides| read.faults.iter().map(ToString::to_string).collect();
+    read.map(reported).map_err(|error| error.to_string())
 }
 
 /// End of a file's validity, seconds after its start.
@@ -77,8 +77,8 @@ fn a_line_that_is_cut_within_is_left_out() {
     for text in [oem(&rows(4, " ", 1.0)), csv(&rows(4, ",", 1.0))] {
         for missing in 2..60 {
             let cut = &text[..text.len() - missing];
-            let told = read(cut, false).expect("the others are flown");
-            assert!(told[0].contains("truncated"), "{missing}: {told:?}");
+            let reported = read(cut, false).expect("the others are flown");
+            assert!(reported[0].contains("truncated"), "{missing}: {reported:?}");
             assert!(span_s(cut) <= 120.0 + 1e-9, "{missing}");
             let error = read(cut, true).expect_err("strict");
             assert!(error.contains("truncated"), "{error}");
@@ -91,9 +91,9 @@ fn a_line_that_is_cut_within_is_left_out() {
 fn a_whole_line_without_its_line_feed_is_used_and_noticed() {
     for text in [oem(&rows(4, " ", 1.0)), csv(&rows(4, ",", 1.0))] {
         let text = text.trim_end();
-        let told = read(text, false).expect("flown");
-        assert_eq!(told.len(), 1, "{told:?}");
-        assert!(told[0].contains("may be truncated"), "{told:?}");
+        let reported = read(text, false).expect("flown");
+        assert_eq!(reported.len(), 1, "{reported:?}");
+        assert!(reported[0].contains("may be truncated"), "{reported:?}");
         assert!((span_s(text) - 180.0).abs() < 1e-9);
         let error = read(text, true).expect_err("strict");
         assert!(error.contains("line feed"), "{error}");
@@ -104,14 +104,14 @@ fn a_whole_line_without_its_line_feed_is_used_and_noticed() {
 #[test]
 fn states_that_end_before_their_stop_time_are_noticed() {
     let text = oem(&rows(3, " ", 1.0));
-    let told = read(&text, false).expect("flown");
+    let reported = read(&text, false).expect("flown");
     assert!(
-        told[0].starts_with("x:15:1: the file is truncated"),
-        "{told:?}"
+        reported[0].starts_with("x:15:1: the file is truncated"),
+        "{reported:?}"
     );
     assert!(
-        told[0].contains("STOP_TIME = 2026-01-01T00:03:00"),
-        "{told:?}"
+        reported[0].contains("STOP_TIME = 2026-01-01T00:03:00"),
+        "{reported:?}"
     );
     assert!(read(&text, true).is_err());
 }
@@ -123,10 +123,13 @@ fn metres_for_kilometres_and_states_below_the_ground_are_noticed() {
         (0.001, "below the WGS84 ellipsoid"),
     ] {
         for text in [oem(&rows(4, " ", scale)), csv(&rows(4, ",", scale))] {
-            let told = read(&text, false).expect("flown");
-            assert!(told.iter().any(|told| told.contains(words)), "{told:?}");
+            let reported = read(&text, false).expect("flown");
+            assert!(
+                reported.iter().any(|reported| reported.contains(words)),
+                "{reported:?}"
+            );
             // The file's format is valid, so strict reading gives the same result.
-            assert_eq!(read(&text, true), Ok(told));
+            assert_eq!(read(&text, true), Ok(reported));
         }
     }
 }
@@ -138,7 +141,10 @@ fn elements_without_their_last_line_feed_are_noticed() {
     let read = |text: &str, is_strict| Catalogue::from_text(text, Path::new("x"), is_strict);
     assert!(read(text, true).expect("whole").faults.is_empty());
     let cut = text.trim_end();
-    let told = read(cut, false).expect("flown").faults;
-    assert!(told[0].to_string().contains("may be truncated"), "{told:?}");
+    let reported = read(cut, false).expect("flown").faults;
+    assert!(
+        reported[0].to_string().contains("may be truncated"),
+        "{reported:?}"
+    );
     assert!(read(cut, true).is_err());
 }

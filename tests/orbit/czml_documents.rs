@@ -113,8 +113,8 @@ fn settings_apply_whichever_packet_they_are_in() {
     }
     // An interval that has no value yet is named.
     let interval = "\"position\":{\"interval\":\"2026-03-01T00Z/2026-03-01T01Z\",\"referenceFrame\":\"INERTIAL\"}";
-    let told = read(&document(&[packet("A", interval), samples])).unwrap();
-    let faults: Vec<_> = told.faults.iter().map(ToString::to_string).collect();
+    let reported = read(&document(&[packet("A", interval), samples])).unwrap();
+    let faults: Vec<_> = reported.faults.iter().map(ToString::to_string).collect();
     assert!(
         matches!(faults.as_slice(), [one] if one.contains("gives a value for this interval")),
         "{faults:?}"
@@ -338,14 +338,14 @@ fn extrapolation_is_followed() {
     assert!((x(&first, 500.0).unwrap() - 7_000_100.0).abs() < 1e-6);
     // Where nothing ends it, it is not followed, and that is reported.
     let endless = position(&parabola, r#","forwardExtrapolationType":"HOLD""#);
-    let told = read(&document(&[packet("a", &endless)])).unwrap();
-    assert_eq!(told.feeds[0].validity().1, at(600.0));
-    let notice = told.faults[0].to_string();
+    let reported = read(&document(&[packet("a", &endless)])).unwrap();
+    assert_eq!(reported.feeds[0].validity().1, at(600.0));
+    let notice = reported.faults[0].to_string();
     assert!(
         notice.contains("forwardExtrapolationType = HOLD is not followed"),
         "{notice}"
     );
-    assert!(told.faults[0].is_notice());
+    assert!(reported.faults[0].is_notice());
 }
 
 /// An OEM has no extrapolation: such an object is written within its samples only.

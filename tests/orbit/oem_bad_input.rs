@@ -323,8 +323,8 @@ fn a_bad_state_costs_that_state() {
             "{error}"
         );
         let loose = Ephemerides::from_text(&text, origin, false).expect(to);
-        let told: Vec<_> = loose.faults.iter().map(OrbitError::to_string).collect();
-        assert_eq!(told, [error], "{to}");
+        let reported: Vec<_> = loose.faults.iter().map(OrbitError::to_string).collect();
+        assert_eq!(reported, [error], "{to}");
         let feed = loose.into_one(origin, None).expect(to);
         assert_eq!(feed.segments()[0].samples.len(), states, "{to}");
     }

@@ -190,7 +190,7 @@ fn xml_says_the_same_as_kvn() {
 
 #[test]
 fn what_is_not_followed_is_named() {
-    for (text, told) in [
+    for (text, reported) in [
         (
             W4.to_owned() + "COV_REF_FRAME = RTN\nCX_X = 1e-3\nCY_X = 0\nCY_Y = 1e-3\n",
             "CX_X = 1e-3 is not followed",
@@ -214,7 +214,7 @@ fn what_is_not_followed_is_named() {
     ] {
         let text = text.replace(
             "3.11548208",
-            if told.contains("centre") {
+            if reported.contains("centre") {
                 "3115.48"
             } else {
                 "3.11548208"
@@ -223,8 +223,8 @@ fn what_is_not_followed_is_named() {
         let read = read(&text, true).unwrap_or_else(|error| panic!("{error}"));
         let faults: Vec<_> = read.faults.iter().map(ToString::to_string).collect();
         assert!(
-            faults.iter().any(|fault| fault.contains(told)),
-            "{told}: {faults:?}"
+            faults.iter().any(|fault| fault.contains(reported)),
+            "{reported}: {faults:?}"
         );
         assert!(read.faults.iter().all(OrbitError::is_notice));
     }
@@ -251,7 +251,7 @@ fn frames_and_times_are_those_of_an_ephemeris_message() {
 #[test]
 fn errors_name_line_key_and_remedy() {
     let elements = without(&["X", "Y", "Z"]);
-    for (text, told) in [
+    for (text, reported) in [
         (
             with("= 2.0", "= 9.0"),
             "w4.opm:1:18: CCSDS_OPM_VERS = \"9.0\" cannot be used: versions 1 to 3",
@@ -337,7 +337,7 @@ fn errors_name_line_key_and_remedy() {
     ] {
         for is_strict in [false, true] {
             let error = read(&text, is_strict).unwrap_err().to_string();
-            assert!(error.contains(told), "{told}: {error}");
+            assert!(error.contains(reported), "{reported}: {error}");
         }
     }
     // An impossible start is an error of the message, with its line.
@@ -382,7 +382,7 @@ fn a_faulty_message_costs_itself() {
     let origin = Path::new("w4.opm");
     assert_eq!((read.messages.len(), read.faults.len()), (2, 1));
     assert_eq!(read.one(origin, Some("other")).unwrap().name, "OTHER");
-    for (name, told) in [
+    for (name, reported) in [
         (None, "X is"),
         (
             Some("BAD"),
@@ -394,7 +394,7 @@ fn a_faulty_message_costs_itself() {
         ),
     ] {
         let error = read.one(origin, name).unwrap_err().to_string();
-        assert!(error.contains(told), "{error}");
+        assert!(error.contains(reported), "{error}");
     }
 }
 

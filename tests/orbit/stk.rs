@@ -214,10 +214,10 @@ fn wrong_files_are_named() {
             "{from}: {error}"
         );
     }
-    let told = read(&good.replace("Hermite", "LagrangeVOP")).unwrap();
+    let reported = read(&good.replace("Hermite", "LagrangeVOP")).unwrap();
     assert!(
-        told.faults[0].is_notice()
-            && told.faults[0]
+        reported.faults[0].is_notice()
+            && reported.faults[0]
                 .to_string()
                 .contains("Lagrange is taken instead")
     );

@@ -323,8 +323,8 @@ fn a_bad_row_costs_that_row() {
     let error = Ephemerides::from_text(&corrupt, origin, true).unwrap_err();
     assert!(error.to_string().starts_with("sat.csv:"), "{error}");
     let loose = Ephemerides::from_text(&corrupt, origin, false).unwrap();
-    let told: Vec<_> = loose.faults.iter().map(OrbitError::to_string).collect();
-    assert_eq!(told.len(), 2, "{told:?}");
+    let reported: Vec<_> = loose.faults.iter().map(OrbitError::to_string).collect();
+    assert_eq!(reported.len(), 2, "{reported:?}");
     let feed = loose.into_one(origin, None).unwrap();
     assert_eq!(feed.segments()[0].samples.len(), 58);
 }

@@ -265,8 +265,8 @@ fn compare(view: &GroundView, edit: (&str, &str)) -> Off {
             .max((at.distance(exact) - ulp_m).max(0.0) * metres_to_px);
         off.ulp = off.ulp.max(ulp_m * metres_to_px);
         let spacing = f64::from(point.spacing_rad);
-        let told = tiles.height_m(place.lat_rad, place.lon_rad, spacing);
-        let apart_m = ((told - place.height_m).abs() - 2.0 * ulp_m).max(0.0);
+        let reported = tiles.height_m(place.lat_rad, place.lon_rad, spacing);
+        let apart_m = ((reported - place.height_m).abs() - 2.0 * ulp_m).max(0.0);
         off.height = off.height.max(apart_m * metres_to_px);
         let (columns, _) = frame.samples;
         let sample = frame.sample(index as u32 % columns, index as u32 / columns);

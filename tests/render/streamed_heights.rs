@@ -147,7 +147,7 @@ fn pictures_wait_for_heights_and_are_as_if_they_had_always_been_there() {
 }
 
 #[test]
-fn frames_do_not_wait_and_what_is_missing_is_told() {
+fn frames_do_not_wait_and_what_is_missing_is_reported() {
     let (source, ground) = streamed(true);
     let mut rig = Rig::new(&options(&ground, SurfaceKind::Quadtree), SIZE);
     let [view, _] = views(rig.aspect());

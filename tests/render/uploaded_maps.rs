@@ -138,7 +138,7 @@ fn a_description_that_no_uploaded_map_fits_is_an_error() {
     let mut other = uploaded.clone();
     other.shading = Shading::Paper;
     unfit(&other, "another shading");
-    // Of the same adapter: devices of two instances of wgpu cannot be told apart.
+    // Of the same adapter: devices of two instances of wgpu cannot be distinguished.
     let adapter = &gpu.adapter;
     let elsewhere = pollster::block_on(adapter.request_device(&Default::default()));
     let (device, queue) = elsewhere.expect("a second device");

@@ -329,7 +329,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn each_end_is_told_from_the_others() {
+    fn each_end_is_distinguished_from_the_others() {
         let text = |text: &str| text.to_string();
         assert_eq!(outcome("true"), (Outcome::Accepted, text("")));
         let said = "echo 'WARN a' >&2; echo 'error: a.tif: is damaged' >&2; exit 1";
@@ -351,8 +351,8 @@ mod tests {
     #[cfg(unix)]
     #[test]
     fn memory_is_limited() {
-        let told = "test \"$(ulimit -v)\" = 512000 || exit 7";
-        assert_eq!(outcome(told).0, Outcome::Accepted);
+        let reported = "test \"$(ulimit -v)\" = 512000 || exit 7";
+        assert_eq!(outcome(reported).0, Outcome::Accepted);
     }
 
     #[test]

@@ -61,24 +61,24 @@ pub fn c_library(prefix: &Path, profile: &str) -> anyhow::Result<()> {
         let lines = errors
             .into_iter()
             .flat_map(|pipe| BufReader::new(pipe).lines());
-        let mut told = String::new();
+        let mut reported = String::new();
         for line in lines.map_while(Result::ok) {
             eprintln!("{line}");
-            told += &line;
-            told.push('\n');
+            reported += &line;
+            reported.push('\n');
         }
-        told
+        reported
     });
     let mut messages = String::new();
     if let Some(mut stdout) = child.stdout.take() {
         stdout.read_to_string(&mut messages)?;
     }
     let status = child.wait()?;
-    let told = reader.join().unwrap_or_default();
+    let reported = reader.join().unwrap_or_default();
     if !status.success() {
         return Err(process::ChildFailed::new(what, status).into());
     }
-    let libraries = told
+    let libraries = reported
         .lines()
         .find_map(|line| line.split("native-static-libs: ").nth(1));
     let libraries = libraries.context("the compiler did not say what the static library needs")?;

@@ -106,7 +106,7 @@ pub unsafe extern "C" fn terrella_scene_passes(
             let found = self::passes(feed, &observer, span.0, span.1);
             let mut written = 0;
             for pass in found.take(capacity) {
-                let pass = told(feed, &observer, &pass?, &rule)?;
+                let pass = reported(feed, &observer, &pass?, &rule)?;
                 // SAFETY: not null and aligned; there is room for `capacity` passes, of which this is none beyond the last.
                 unsafe { passes.add(written).write(pass) };
                 written += 1;
@@ -185,7 +185,7 @@ fn rule(search: &TerrellaPassSearch) -> Result<VisibilityRule, Failure> {
     })
 }
 
-fn told(
+fn reported(
     feed: &dyn Feed,
     observer: &Observer<'_>,
     pass: &Pass,

@@ -146,7 +146,7 @@ pub unsafe extern "C" fn terrella_scene_info(
         with_scene(scene, |pictures| {
             let (flight, (width, height)) = (pictures.flight(), pictures.size());
             let time = &flight.scene().time;
-            let told = TerrellaSceneInfo {
+            let reported = TerrellaSceneInfo {
                 width,
                 height,
                 start: TerrellaTime::of(time.start),
@@ -156,7 +156,7 @@ pub unsafe extern "C" fn terrella_scene_info(
                 satellites: flight.satellites().len(),
             };
             // SAFETY: the caller's promise.
-            unsafe { write(info, "info", told) }
+            unsafe { write(info, "info", reported) }
         })
     })
 }

@@ -96,10 +96,10 @@ unsafe fn tell_missing(drawn: *mut TerrellaDrawn, missing: usize) -> Result<(), 
     if drawn.is_null() {
         return Ok(());
     }
-    let told = TerrellaDrawn {
+    let reported = TerrellaDrawn {
         missing_tiles: missing as u64,
         ..TerrellaDrawn::default()
     };
     // SAFETY: the caller's promise.
-    unsafe { write(drawn, "drawn", told) }
+    unsafe { write(drawn, "drawn", reported) }
 }

@@ -70,7 +70,7 @@ pub unsafe extern "C" fn terrella_layer(index: usize, layer: *mut TerrellaLayer)
                 TRUTH_LAYERS.len()
             )));
         };
-        let told = TerrellaLayer {
+        let reported = TerrellaLayer {
             name: name.as_ptr(),
             unit: unit.as_ptr(),
             what: what.as_ptr(),
@@ -78,7 +78,7 @@ pub unsafe extern "C" fn terrella_layer(index: usize, layer: *mut TerrellaLayer)
             number_bytes: number_bytes(found) as u32,
         };
         // SAFETY: the caller's promise.
-        unsafe { write(layer, "layer", told) }
+        unsafe { write(layer, "layer", reported) }
     })
 }
 

@@ -165,7 +165,7 @@ fn truth_layers() -> String {
 }
 
 #[test]
-fn declarations_of_a_header_are_told_apart() {
+fn declarations_of_a_header_are_distinguished() {
     let header = "// The file.\n\n#ifndef A\n#include <b.h>\n\n// One.\n// More.\n#define ONE 1\n\n// A thing.\ntypedef struct {\n  // Its part.\n  int part;\n\n  int other;\n} Thing;\n\n// Opaque.\ntypedef struct Hidden Hidden;\n\n#ifdef __cplusplus\n#endif\n// Gives.\nconst char *terrella_give(int a,\n    int b);\n";
     let found = declarations(header);
     let names: Vec<_> = found.iter().map(|one| one.name.as_str()).collect();

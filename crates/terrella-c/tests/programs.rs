@@ -141,11 +141,11 @@ fn examples_draw_the_same_earth() {
     };
     let iss = out.path().join("iss.png");
     let file = folder().join("../../config/iss.toml");
-    let told = run(&build(&scene, out.path()), out.path(), &[&file, &iss]);
-    let told = String::from_utf8_lossy(&told.stdout);
+    let reported = run(&build(&scene, out.path()), out.path(), &[&file, &iss]);
+    let reported = String::from_utf8_lossy(&reported.stdout);
     assert!(
-        told.contains("Z: the lowest line's middle shows "),
-        "{told}"
+        reported.contains("Z: the lowest line's middle shows "),
+        "{reported}"
     );
     assert_eq!(picture(&iss).dimensions(), (640, 360));
 

@@ -309,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn causes_are_told_once() {
+    fn causes_are_reported_once() {
         let cause = || std::io::Error::other("disk full");
         let plain = anyhow::Error::from(cause()).context("writing a.png");
         assert_eq!(message(&plain), "writing a.png: disk full");
@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bad_scene_is_told_from_a_bad_machine() {
+    fn a_bad_scene_is_distinguished_from_a_bad_machine() {
         let scene =
             terrella_play::scene::Scene::from_toml("[camera]\nfov_deg = 0\n", "x.toml".as_ref());
         let error = scene.expect_err("a bad scene");

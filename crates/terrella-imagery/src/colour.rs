@@ -310,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn gamma_of_pngs_is_told_unless_it_is_srgb_s() {
+    fn gamma_of_pngs_is_reported_unless_it_is_srgb_s() {
         let info = |gamma: Option<f32>, is_srgb: bool| {
             let mut info = png::Info::default();
             info.gama_chunk = gamma.map(png::ScaledFloat::new);

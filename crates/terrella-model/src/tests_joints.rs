@@ -22,7 +22,7 @@ fn satellite() -> (Vec<u8>, Value) {
 }
 
 #[test]
-fn joints_are_the_nodes_of_their_names_with_all_that_hangs_on_them() {
+fn joints_are_the_nodes_of_their_names_with_all_that_is_attached_to_them() {
     let (buffer, document) = satellite();
     let still = jointed(&document, &buffer, &[]).expect("good");
     assert!(still.joints.is_empty() && still.parts.len() == 1);

@@ -307,7 +307,7 @@ fn gaps_end_passes_and_are_passed_over() {
 }
 
 #[test]
-fn a_decayed_satellite_is_told_and_a_pass_before_is_found() {
+fn a_decayed_satellite_is_reported_and_a_pass_before_is_found() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config/orbits/iss.tle");
     let text = std::fs::read_to_string(folder).expect("released");
     // Air drag a thousandfold: it comes down within days.

@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn all_forms_are_told_from_one_another_and_from_scenes() {
+    fn all_forms_are_distinguished_from_one_another_and_from_scenes() {
         use FileFormat::{Csv, Czml, Oem, Omm, Opm, Sp3, Stk, Tle};
         let set = "1 25544U 98067A   26329.50000000  .00016717  00000-0  10270-3 0  9993\n2 25544  51.6400 208.9163 0006703  69.9862  25.2906 15.50000000    13\n";
         let cases: &[(&str, Option<FileFormat>)] = &[

@@ -272,30 +272,30 @@ mod tests {
     }
 
     #[test]
-    fn detail_that_is_dropped_is_told_with_the_levels_that_keep_it() {
-        let told = |layer, width, asked: Option<&[u32]>| {
+    fn detail_that_is_dropped_is_reported_with_the_levels_that_keep_it() {
+        let reported = |layer, width, asked: Option<&[u32]>| {
             let ladder = ladder(layer, width, asked, MAX_PART_PIXELS).expect("good");
             ladder.dropped.map(|dropped| dropped.to_string())
         };
-        let said = told(MapLayer::Day, 78_545, None).expect("dropped");
+        let said = reported(MapLayer::Day, 78_545, None).expect("dropped");
         assert!(
             said.contains("78545 texels") && said.contains("level 43200;"),
             "{said}"
         );
         let kept = "--pixels day=5400,2700,1350,675,450,270,135 keeps 86400";
         assert!(said.ends_with(kept), "{said}");
-        assert_eq!(told(MapLayer::Day, 23_760, None), None);
-        let said = told(MapLayer::Clouds, 21_600, None).expect("dropped");
+        assert_eq!(reported(MapLayer::Day, 23_760, None), None);
+        let said = reported(MapLayer::Clouds, 21_600, None).expect("dropped");
         assert!(said.contains("clouds=1500,750,"), "{said}");
         // Levels that are named may be whole.
-        let said = told(MapLayer::Day, 86_400, Some(&[675, 135])).expect("dropped");
+        let said = reported(MapLayer::Day, 86_400, Some(&[675, 135])).expect("dropped");
         let kept = "--pixels day=5400,2700,1350,675,135 keeps 86400";
         assert!(said.ends_with(kept), "{said}");
         assert_eq!(
-            told(MapLayer::Day, 262_144, Some(&[32_640, 2040, 16])),
+            reported(MapLayer::Day, 262_144, Some(&[32_640, 2040, 16])),
             None
         );
-        let said = told(MapLayer::Day, 21_600, Some(&[16])).expect("dropped");
+        let said = reported(MapLayer::Day, 21_600, Some(&[16])).expect("dropped");
         assert!(
             said.ends_with("--pixels day=256,128,64,32,16 keeps 4096"),
             "{said}"

@@ -260,7 +260,7 @@ impl Mosaic {
             ),
             info: self.info,
             empty: 0,
-            told: false,
+            reported: false,
         }
     }
 }
@@ -388,7 +388,7 @@ pub struct MosaicRows {
     given: u32,
     /// Texels that no part covers.
     empty: u64,
-    told: bool,
+    reported: bool,
 }
 
 impl RowSource for MosaicRows {
@@ -414,8 +414,8 @@ impl RowSource for MosaicRows {
 
     fn notes(&mut self) -> Vec<String> {
         let mut notes = self.state.notes();
-        if self.given == self.info.height && self.empty > 0 && !self.told {
-            self.told = true;
+        if self.given == self.info.height && self.empty > 0 && !self.reported {
+            self.reported = true;
             let all = u64::from(self.info.width) * u64::from(self.info.height);
             notes.push(format!(
                 "{:.2} % of the map lie in no part of the mosaic and are filled; a coarser map below all parts would cover them",

@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn too_little_memory_is_told_with_what_is_needed() {
+    fn too_little_memory_is_reported_with_what_is_needed() {
         let error = plan_of(&[1350, 256], 60).expect_err("too little");
         let BuildError::Memory { needed_mb, .. } = error else {
             panic!("{error}");

@@ -81,7 +81,7 @@ impl Job<'_> {
             .thread_name(|n| format!("terrella encode {n}"))
             .build()
             .map_err(|error| BuildError::Threads(error.to_string()))?;
-        let (mut saturated_texels, mut told) = (0, BTreeSet::new());
+        let (mut saturated_texels, mut reported) = (0, BTreeSet::new());
         for (n, columns) in passes.iter().enumerate() {
             let levels = self.missing_levels(columns);
             if levels.is_empty() {
@@ -100,7 +100,7 @@ impl Job<'_> {
             saturated_texels = done.saturated_texels;
             for note in done.notes {
                 // Every pass finds the same.
-                if told.insert(note.clone()) {
+                if reported.insert(note.clone()) {
                     self.progress.note(&note);
                 }
             }

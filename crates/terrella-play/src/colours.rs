@@ -33,7 +33,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn linear_colours_of_a_day_map_are_told() {
+    fn linear_colours_of_a_day_map_are_reported() {
         let folder = tempfile::tempdir().expect("a folder");
         let write = |gamma: Option<f32>| {
             let path = folder.path().join("day.png");

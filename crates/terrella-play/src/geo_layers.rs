@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn faults_are_told_by_kind_and_reject_a_strict_scene() {
+    fn faults_are_reported_by_kind_and_reject_a_strict_scene() {
         let folder = tempfile::tempdir().expect("a folder");
         let text = r#"{"type":"FeatureCollection","features":[
             {"type":"Feature","geometry":{"type":"Polygon","coordinates":[[[0,0],[0,1],[1,1]]]}},

@@ -163,9 +163,9 @@ fn before_the_first_state_the_earth_is_drawn_and_the_window_says_what_is_missing
         .geodetic_from_itrf(moment.view.eye_world)
         .height_m;
     assert!((height_m - 2e7).abs() < 1.0, "{height_m}");
-    let told = format!("waiting for states on tcp://{}", address(&flight));
+    let reported = format!("waiting for states on tcp://{}", address(&flight));
     let status = play.status(false);
-    assert_eq!(notice(&status), told);
+    assert_eq!(notice(&status), reported);
     assert!(
         status
             .rows
@@ -279,7 +279,7 @@ fn a_flood_and_garbage_in_the_middle_of_a_flight_are_dropped_and_counted() {
 }
 
 #[test]
-fn the_user_may_hold_the_picture_and_is_told_what_only_the_simulator_can_do() {
+fn the_user_may_hold_the_picture_and_learns_what_only_the_simulator_can_do() {
     let flight = flight("");
     let mut play = LivePlay::of(&flight).expect("live");
     let simulator = Simulator::start(address(&flight), 0.0);
@@ -305,8 +305,11 @@ fn the_user_may_hold_the_picture_and_is_told_what_only_the_simulator_can_do() {
         Action::Seek(0.5),
         Action::Skip(5.0),
     ] {
-        let told = play.denial(action).expect("a message");
-        assert!(told.contains("simulator on tcp://127.0.0.1:"), "{told}");
+        let reported = play.denial(action).expect("a message");
+        assert!(
+            reported.contains("simulator on tcp://127.0.0.1:"),
+            "{reported}"
+        );
     }
     simulator.kill();
 }
@@ -347,8 +350,8 @@ fn in_lockstep_each_picture_is_of_the_frame_that_is_asked_for() {
     }
     partner.join().expect("four answers");
     assert_eq!(seen, times.map(noon));
-    let told = play.denial(Action::Pause).expect("a message");
-    assert!(told.contains("stopped"), "{told}");
+    let reported = play.denial(Action::Pause).expect("a message");
+    assert!(reported.contains("stopped"), "{reported}");
 }
 
 #[test]
@@ -372,8 +375,8 @@ fn a_lockstep_partner_gets_an_error_when_the_player_is_slow_hidden_or_gone() {
         assert!(begun.elapsed() < PATIENCE);
         assert!(!play.is_due(true, false));
     }
-    let told = answer(&stream)["error"].to_string();
-    assert!(told.contains("hidden"), "{told}");
+    let reported = answer(&stream)["error"].to_string();
+    assert!(reported.contains("hidden"), "{reported}");
     // Gone, in the middle of drawing.
     send(&stream, &packet(PacketKind::Frame, 3, 3.0));
     let begun = Instant::now();
@@ -414,13 +417,13 @@ fn a_satellite_that_is_not_known_at_the_simulators_time_ends_nothing() {
         known.satellite.is_some() && got["message"] == "ack",
         "{got}"
     );
-    let (last, got, told) = ask(2, 1e9);
+    let (last, got, reported) = ask(2, 1e9);
     assert_eq!(last.epoch, known.epoch, "the last picture stays");
     assert!(got["error"].to_string().contains("2049"), "{got}");
-    assert!(told.contains("2049"), "{told}");
-    let (next, got, told) = ask(3, 60.0);
+    assert!(reported.contains("2049"), "{reported}");
+    let (next, got, reported) = ask(3, 60.0);
     assert_eq!((next.epoch, &got["message"]), (noon(60.0), &"ack".into()));
-    assert_eq!(told, "");
+    assert_eq!(reported, "");
 }
 
 #[test]

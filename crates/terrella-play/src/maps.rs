@@ -194,7 +194,7 @@ fn selection_in(
         layer: layer.name(),
         missing: folder.join(file).display().to_string(),
     });
-    let dropped = told(scene, dropped.collect())?;
+    let dropped = reported(scene, dropped.collect())?;
     Ok((wanted.without(&missing), dropped))
 }
 
@@ -205,7 +205,7 @@ fn is_dated(scene: &Scene, layer: DatedLayer) -> bool {
 }
 
 /// Rejects maps that are not there in a strict scene.
-fn told(scene: &Scene, dropped: Vec<DroppedLayer>) -> Result<Vec<DroppedLayer>, PlayError> {
+fn reported(scene: &Scene, dropped: Vec<DroppedLayer>) -> Result<Vec<DroppedLayer>, PlayError> {
     match dropped.first() {
         Some(DroppedLayer { layer, missing }) if scene.earth.strict => {
             Err(PlayError::MissingLayer {
@@ -456,7 +456,7 @@ fn wanted_layers(
             (false, ..) => {}
         }
     }
-    Ok((layers, told(scene, dropped)?))
+    Ok((layers, reported(scene, dropped)?))
 }
 
 /// Rejects a scene that requests elevation data of a pack without any.

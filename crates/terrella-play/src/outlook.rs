@@ -272,10 +272,10 @@ mod tests {
     fn the_share_of_shadow_is_that_of_plane_geometry() {
         let axis_km = 6_778.0_f64;
         let period_s = std::f64::consts::TAU * (axis_km.powi(3) / 398_600.441_8).sqrt();
-        let told = outlook(&format!(
+        let reported = outlook(&format!(
             "[time]\nstart = \"2018-03-20T16:15:00Z\"\nduration_s = {period_s}\n[orbit]\nsource = \"kepler\"\nsemi_major_axis_km = {axis_km}\n"
         ));
-        let satellite = told.satellite.clone().expect("a satellite");
+        let satellite = reported.satellite.clone().expect("a satellite");
         let share = 2.0 * (6_378.137 / axis_km).asin() / std::f64::consts::TAU;
         let penumbra = 0.533_f64.to_radians() / std::f64::consts::TAU;
         let wanted = share + penumbra;
@@ -285,7 +285,10 @@ mod tests {
             satellite.dark_share
         );
         // Straight below it is night on half of the equator.
-        assert!((told.ground.dark_share - 0.5).abs() < 2e-3, "{told:?}");
+        assert!(
+            (reported.ground.dark_share - 0.5).abs() < 2e-3,
+            "{reported:?}"
+        );
         // Perigee at the Sun's right ascension of 0°: sunlit from the start to beyond a quarter of the orbit.
         let (light, dark) = (satellite.light_from, satellite.dark_from.expect("shadow"));
         let start = flight("[time]\nstart = \"2018-03-20T16:15:00Z\"\n")

@@ -32,7 +32,7 @@ fn adaptive() -> AdaptiveQuality {
 }
 
 #[test]
-fn a_frame_time_out_of_reach_is_told() {
+fn a_frame_time_out_of_reach_is_reported() {
     let mut adaptive = adaptive();
     assert_eq!(quality_text(&adaptive), "full, held to 10 ms");
     for _ in 0..1000 {

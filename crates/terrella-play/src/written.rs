@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn sizes_are_told_in_bytes_and_for_people() {
+    fn sizes_are_reported_in_bytes_and_for_people() {
         assert_eq!(size_text(1), "1 byte");
         assert_eq!(size_text(999), "999 bytes");
         assert_eq!(size_text(1_000), "1.0 kB (1000 bytes)");

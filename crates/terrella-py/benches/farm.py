@@ -36,20 +36,20 @@ class Pace:
 
     def __init__(self):
         self.begin = time.monotonic()
-        self.told = []
+        self.reported = []
 
     def __call__(self, done, wanted):
-        self.told.append((time.monotonic() - self.begin, done))
+        self.reported.append((time.monotonic() - self.begin, done))
 
     def rate(self, after):
-        (first_s, first), (last_s, last) = next(told for told in self.told if told[1] >= after), self.told[-1]
+        (first_s, first), (last_s, last) = next(reported for reported in self.reported if reported[1] >= after), self.reported[-1]
         return (last - first) / (last_s - first_s)
 
     def first_s(self):
-        return next(seconds for seconds, done in self.told if done > 0)
+        return next(seconds for seconds, done in self.reported if done > 0)
 
 
-def told(what, **values):
+def reported(what, **values):
     print(json.dumps({"what": what, **{key: round(value, 4) if isinstance(value, float) else value for key, value in values.items()}}), flush=True)
 
 
@@ -66,8 +66,8 @@ def farmed(what, workers, after, run):
         os.sched_setaffinity(0, cores)
         shutil.rmtree(out)
     wall_s = time.monotonic() - begin
-    told(what, workers=workers, done=report.done, wall_s=wall_s, first_s=pace.first_s() if pace.told else None,
-         rate=pace.rate(after) if pace.told and after else report.done / wall_s, cpu_s=cpu_s() - before, drawing_s=report.drawing_seconds,
+    reported(what, workers=workers, done=report.done, wall_s=wall_s, first_s=pace.first_s() if pace.reported else None,
+         rate=pace.rate(after) if pace.reported and after else report.done / wall_s, cpu_s=cpu_s() - before, drawing_s=report.drawing_seconds,
          processor_s=report.processor_seconds,
          bytes_moved=report.bytes_moved, bytes_written=report.bytes_written)
 
@@ -92,7 +92,7 @@ def film_loop():
             _files.write_whole(Path(out) / f"{index}.png", contents)
         seconds = time.monotonic() - begin
     os.sched_setaffinity(0, cores)
-    told("film loop", workers=0, done=len(numbers) - first, rate=(len(numbers) - first) / seconds, cpu_s=cpu_s() - before, wall_s=seconds)
+    reported("film loop", workers=0, done=len(numbers) - first, rate=(len(numbers) - first) / seconds, cpu_s=cpu_s() - before, wall_s=seconds)
 
 
 def sweep(count):
@@ -120,11 +120,11 @@ def parts():
         os.sched_setaffinity(0, cores[:1])
         begin = time.monotonic()
         encode_frames(out / "film.mp4", out / "frames", "frame_00000.png", len(FILM["frames"]), 30.0)
-        told("encode", rate=len(FILM["frames"]) / (time.monotonic() - begin))
+        reported("encode", rate=len(FILM["frames"]) / (time.monotonic() - begin))
         begin = time.monotonic()
         farm.pack(out / "small", ROOT / "textures/day.jpg", storage="plain", pixels={"day": [32]}, workers=1)
         # A map of 4096 × 2048 texels; the time includes the start of the program.
-        told("pack read", wall_s=time.monotonic() - begin)
+        reported("pack read", wall_s=time.monotonic() - begin)
     os.sched_setaffinity(0, cores)
 
 
@@ -152,13 +152,13 @@ def engines(address):
         if taken == 200:
             begin = time.monotonic()
     seconds = time.monotonic() - begin
-    told("engine", address=address, calls_a_second=(count - 200) / seconds, first_s=begin - begun)
+    reported("engine", address=address, calls_a_second=(count - 200) / seconds, first_s=begin - begun)
     engine.close()
 
 
 def main():
     what, rounds = sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 5
-    told("machine", cores=len(os.sched_getaffinity(0)), adapter=terrella.Earth((16, 16)).adapter, python=sys.version.split()[0])
+    reported("machine", cores=len(os.sched_getaffinity(0)), adapter=terrella.Earth((16, 16)).adapter, python=sys.version.split()[0])
     for _ in range(rounds):
         if what == "film":
             film_loop()

@@ -287,7 +287,7 @@ impl PyFilmFolder {
         self.with(|flight, folder| folder.begin(flight, adapter).map_err(of_play))
     }
 
-    /// Adds a frame that is written, as it was told (JSON).
+    /// Adds a frame that is written, as it was reported (JSON).
     fn add(&self, record: &str) -> PyResult<()> {
         self.with(|_, folder| folder.add(record).map_err(of_play))
     }

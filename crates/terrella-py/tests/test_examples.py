@@ -15,20 +15,20 @@ def run(root, folder, *arguments):
 
 
 def test_the_earth(root, tmp_path):
-    told = run(root, tmp_path, "earth.py")
-    found = re.fullmatch(r"brightest \d\.\d\d, (\d+)% of the ground in view is lit\n", told)
-    assert found and 60 < int(found[1]) < 95, told
+    reported = run(root, tmp_path, "earth.py")
+    found = re.fullmatch(r"brightest \d\.\d\d, (\d+)% of the ground in view is lit\n", reported)
+    assert found and 60 < int(found[1]) < 95, reported
     assert (tmp_path / "earth.png").stat().st_size > 50_000
 
 
 def test_a_catalogue(root, tmp_path):
-    told = run(root, tmp_path, "catalogue.py", root / "config/orbits/iss.tle")
-    assert "km high" in told and "51." in told, told
+    reported = run(root, tmp_path, "catalogue.py", root / "config/orbits/iss.tle")
+    assert "km high" in reported and "51." in reported, reported
 
 
 def test_motions(root, tmp_path):
-    told = run(root, tmp_path, "motions.py")
-    assert re.fullmatch(r"\d+ km after a day, \d{3,4} steps\n", told), told
+    reported = run(root, tmp_path, "motions.py")
+    assert re.fullmatch(r"\d+ km after a day, \d{3,4} steps\n", reported), reported
 
 
 @pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is not installed")
@@ -40,14 +40,14 @@ def test_a_film(root, tmp_path):
 
 @pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is not installed")
 def test_a_film_on_two_workers(root, tmp_path):
-    told = run(root, tmp_path, "farm_film.py", root / "config/iss.toml", "frames", "iss.mp4", "4")
-    assert "4 of 4 frames: 4 drawn" in told and "iss.mp4: put together" in told, told
+    reported = run(root, tmp_path, "farm_film.py", root / "config/iss.toml", "frames", "iss.mp4", "4")
+    assert "4 of 4 frames: 4 drawn" in reported and "iss.mp4: put together" in reported, reported
     assert (tmp_path / "iss.mp4").stat().st_size > 1000 and len(list((tmp_path / "frames").glob("*.png"))) == 4
 
 
 def test_a_labelled_data_set(root, tmp_path):
-    told = run(root, tmp_path, "farm_sweep.py", root / "config/full_disc.toml", "swept", "70")
-    assert "70 of 70 samples: 70 drawn" in told, told
+    reported = run(root, tmp_path, "farm_sweep.py", root / "config/full_disc.toml", "swept", "70")
+    assert "70 of 70 samples: 70 drawn" in reported, reported
     assert sorted(path.name for path in (tmp_path / "swept").iterdir()) == ["README.md", "manifest.json", "shard-000000.tar", "shard-000001.tar"]
     pytest.importorskip("torch", reason="torch is not installed")
     pytest.importorskip("PIL", reason="Pillow is not installed")

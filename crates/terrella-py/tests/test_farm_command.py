@@ -77,8 +77,8 @@ def test_workers_that_never_start_end_the_run(tmp_path, monkeypatch):
 def test_a_lost_device_is_tried_again_with_a_new_one(tmp_path, monkeypatch):
     (tmp_path / "shaky.py").write_text(
         "import pathlib\nfrom terrella import _native\nfrom terrella.farm import _film\nreal = _film.draw_part\n\n\n"
-        "def draw_part(part):\n    told = pathlib.Path(part['out']).parent / 'told'\n"
-        "    if part['frames'][0][0] == 3 and not told.exists():\n        told.touch()\n        raise _native.DeviceError('lost')\n"
+        "def draw_part(part):\n    reported = pathlib.Path(part['out']).parent / 'reported'\n"
+        "    if part['frames'][0][0] == 3 and not reported.exists():\n        reported.touch()\n        raise _native.DeviceError('lost')\n"
         "    return real(part)\n")
     monkeypatch.syspath_prepend(str(tmp_path))
     import shaky
@@ -86,7 +86,7 @@ def test_a_lost_device_is_tried_again_with_a_new_one(tmp_path, monkeypatch):
 
     monkeypatch.setattr(_film, "draw_part", shaky.draw_part)
     report = farm.film(write_scene(tmp_path), tmp_path / "out", workers=1, frames_a_task=1, frames=range(0, 6))
-    assert (tmp_path / "told").exists() and (report.done, report.failed, report.lost_workers) == (6, [], 0)
+    assert (tmp_path / "reported").exists() and (report.done, report.failed, report.lost_workers) == (6, [], 0)
 
 
 def test_one_run_at_a_time_writes_to_a_folder(tmp_path):

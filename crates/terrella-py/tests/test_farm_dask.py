@@ -119,5 +119,5 @@ def test_no_cluster_is_said(film, tmp_path):
 
 
 def test_the_command_says_what_it_takes():
-    told = subprocess.run([sys.executable, "-m", "terrella.farm", "film", "--help"], capture_output=True, text=True, check=True).stdout
-    assert "--address" in told and "--overwrite" in told
+    reported = subprocess.run([sys.executable, "-m", "terrella.farm", "film", "--help"], capture_output=True, text=True, check=True).stdout
+    assert "--address" in reported and "--overwrite" in reported

@@ -29,13 +29,13 @@ def film(tmp_path_factory):
 
 
 def test_two_workers_draw_what_one_draws(film, tmp_path):
-    told = []
-    report = farm.film(film / "scene.toml", tmp_path / "two", workers=2, frames_a_task=1, progress=lambda *state: told.append(state))
+    reported = []
+    report = farm.film(film / "scene.toml", tmp_path / "two", workers=2, frames_a_task=1, progress=lambda *state: reported.append(state))
     assert report.done == FRAMES and len(report.by_worker) == 2, report
     assert min(report.by_worker.values()) >= 1 and sum(report.by_worker.values()) == FRAMES
     assert contents(tmp_path / "two", ".png") == contents(film / "one", ".png")
     assert (tmp_path / "two/frames.json").read_text() == (film / "one/frames.json").read_text()
-    assert told[0] == (0, FRAMES) and told[-1] == (FRAMES, FRAMES) and told == sorted(told)
+    assert reported[0] == (0, FRAMES) and reported[-1] == (FRAMES, FRAMES) and reported == sorted(reported)
     # The frames differ and their exposure follows the light; otherwise this test would prove little.
     assert len(set(contents(film / "one", ".png").values())) == FRAMES
     exposures = [frame["exposure_ev"] for frame in frames_of(film / "one")]
@@ -184,7 +184,7 @@ def test_a_disk_that_fills_keeps_what_was_done(film, tmp_path):
     assert [name for name in os.listdir(out) if name.startswith(".")] == []
 
 
-def test_frames_of_a_pack_hang_on_no_others(root, tmp_path):
+def test_frames_of_a_pack_depend_on_no_others(root, tmp_path):
     """Tiles have levels with hysteresis where they are shown; pictures that are kept have none."""
     maps = root / "textures"
     farm.pack(tmp_path / "earth", maps / "day.jpg", storage="plain", pixels={"day": [256, 128, 64, 32]}, workers=1)
@@ -209,8 +209,8 @@ samples = 1
     assert contents(tmp_path / "of1", ".png") == contents(tmp_path / "of2", ".png")
 
 
-def test_ground_that_remembers_is_told(root, tmp_path):
-    for surface, is_told in [("quadtree", True), ("contours", False)]:
+def test_ground_that_remembers_is_reported(root, tmp_path):
+    for surface, is_reported in [("quadtree", True), ("contours", False)]:
         scene = write_scene(tmp_path, f"""
 [time]
 start = "2018-07-15T14:00:00Z"
@@ -224,7 +224,7 @@ elevation = ["{root / 'textures/elevation.png'}"]
 surface = "{surface}"
 """, f"{surface}.toml")
         report = farm.film(scene, tmp_path / surface, size=(32, 20), workers=1)
-        assert report.done == 1 and any("frames before" in note for note in report.notes) == is_told
+        assert report.done == 1 and any("frames before" in note for note in report.notes) == is_reported
 
 
 @pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is not installed")
@@ -234,8 +234,8 @@ def test_the_video_is_that_of_the_frames(film, tmp_path):
     assert report.video == video and [one.name for one in tmp_path.iterdir()] == ["film.mp4"]
 
     def sums(*arguments):
-        told = subprocess.run(["ffmpeg", "-v", "error", *arguments, "-f", "framemd5", "-"], capture_output=True, text=True, check=True).stdout
-        return [line.split(",")[-1] for line in told.splitlines() if not line.startswith("#")]
+        reported = subprocess.run(["ffmpeg", "-v", "error", *arguments, "-f", "framemd5", "-"], capture_output=True, text=True, check=True).stdout
+        return [line.split(",")[-1] for line in reported.splitlines() if not line.startswith("#")]
 
     # With crf 0 only the conversion to 4:2:0 is lossy; repeat it here.
     picked = ["-framerate", "10", "-i", str(film / "one/frame_%05d.png"), "-vf", "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p"]

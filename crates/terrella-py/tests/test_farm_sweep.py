@@ -101,7 +101,7 @@ def test_automatic_exposure_has_no_number(swept, tmp_path):
     assert [known["exposure_ev"] for *_, known in samples(tmp_path / "out")] == [None]
 
 
-def test_a_sample_hangs_on_seed_and_number_alone(swept, tmp_path):
+def test_a_sample_depends_on_seed_and_number_alone(swept, tmp_path):
     report = farm.sweep(swept / "scene.toml", tmp_path / "two", workers=2, **CHOSEN)
     assert len(report.by_worker) == 2
     assert contents(tmp_path / "two", ".tar") == contents(swept / "one", ".tar")
@@ -123,8 +123,8 @@ def test_webdataset_reads_it(swept):
         values = one["lit.npy"]
         values = np.load(io.BytesIO(values)) if isinstance(values, bytes) else values
         assert np.array_equal(values, layers["lit"], equal_nan=True)
-        told = one["json"]
-        assert (json.loads(told) if isinstance(told, bytes) else told) == known and one["png"] == png
+        reported = one["json"]
+        assert (json.loads(reported) if isinstance(reported, bytes) else reported) == known and one["png"] == png
 
 
 def test_zarr_reads_it(swept, tmp_path):

@@ -57,8 +57,8 @@ def test_everything_public_has_words():
 
 def test_objects_say_what_they_are(root, earth, scene):
     assert repr(earth) == f"<terrella.Earth 256 × 144, {earth.adapter}>"
-    told = repr(scene)
-    assert told.startswith(f"<terrella.Scene {root / 'config/iss.toml'}, 256 × 144, {scene.start} to ") and ", 1 satellite, " in told, told
+    reported = repr(scene)
+    assert reported.startswith(f"<terrella.Scene {root / 'config/iss.toml'}, 256 × 144, {scene.start} to ") and ", 1 satellite, " in reported, reported
     assert repr(terrella.Scene.from_dict({"camera": {"mode": "geodetic"}})).startswith("<terrella.Scene <dict>, ")
     catalogue = terrella.Catalogue(root / "config/orbits/iss.tle")
     assert repr(catalogue) == f"<terrella.Catalogue, 1 satellite: {catalogue.names[0]}>"

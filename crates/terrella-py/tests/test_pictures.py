@@ -52,9 +52,9 @@ def test_depth_is_that_of_a_pinhole_camera(earth):
 
 def test_truth_layers_are_what_their_list_says(earth):
     layers = earth.truth(CAMERA, NOON)
-    told = terrella.truth_layers()
-    assert list(layers) == [name for name, *_ in told]
-    for name, unit, dtype, what in told:
+    reported = terrella.truth_layers()
+    assert list(layers) == [name for name, *_ in reported]
+    for name, unit, dtype, what in reported:
         assert layers[name].dtype == np.dtype(dtype) and unit and what
     assert layers["normal_itrf"].shape == (144, 256, 3)
     assert abs(layers["lat_deg"][71:73, 127:129].mean() - 10) < 0.5

@@ -9,7 +9,7 @@ class Pack {
   #worker = newWorker(PACKS.worker, "worker-pack.js");
   #globe = null;
   #changed;
-  #told;
+  #reported;
   #timer = 0;
   /** Whether a tile did not come since all were there. */
   #hasFailed = false;
@@ -20,10 +20,10 @@ class Pack {
   #reject = () => {};
   #take = () => {};
 
-  /** `changed` is called when a tile has come, `told` with the reason why one did not, or with null once one comes again. */
-  constructor(changed, told) {
+  /** `changed` is called when a tile has come, `reported` with the reason why one did not, or with null once one comes again. */
+  constructor(changed, reported) {
     this.#changed = changed;
-    this.#told = told;
+    this.#reported = reported;
     this.#worker.onerror = (event) => this.#reject(new Error(`The worker that reads the pack did not start: ${event.message ?? "worker-pack.js could not be loaded"}.`));
     this.#worker.onmessage = ({ data }) => this.#receive(data);
   }
@@ -91,12 +91,12 @@ class Pack {
     this.#unwanted.delete(number);
     if (texels) {
       this.#globe.endTile(number, texels);
-      this.#told(null);
+      this.#reported(null);
     } else {
       this.#globe.failTile(number, failed.address, failed.cause, failed.isUnwanted);
       if (!failed.isUnwanted) {
         this.#hasFailed = true;
-        this.#told(failed.cause);
+        this.#reported(failed.cause);
       }
     }
     this.#changed();

@@ -66,8 +66,8 @@ fn the_script_of_the_page_is_filmed_unchanged() {
     let output = place.succeed(&["play", "basilisk.toml", "--frames", "frames"]);
     assert_eq!(frame_names(&place.path("frames")).len(), 6);
     let said = crate::words(&output);
-    for told in ["does not turn the Earth", "has no Sun"] {
-        assert!(said.contains(told), "{said}");
+    for reported in ["does not turn the Earth", "has no Sun"] {
+        assert!(said.contains(reported), "{said}");
     }
 }
 

@@ -137,8 +137,8 @@ fn starts_and_forces_are_read_in_their_units() {
         ["inclination_deg", "90"],
         ["argument_of_periapsis_deg", "-90"],
     ] {
-        let told = words.windows(2).any(|pair| pair == [key, value]);
-        assert!(told, "{key} {value} is not in\n{summary}");
+        let reported = words.windows(2).any(|pair| pair == [key, value]);
+        assert!(reported, "{key} {value} is not in\n{summary}");
     }
 
     let numerical = scene(
@@ -200,13 +200,16 @@ fn burns_events_and_the_method_are_read() {
     assert_eq!(second.axes, ThrustAxes::Gcrf);
     // The summary writes them as a scene would.
     let summary = scene.summary();
-    for told in [
+    for reported in [
         "acceleration_m_s2 = [0.5, 0, -1], axes = \"flight\"",
         "[\"nodes\", \"eclipses\"]",
         "\"implicit\"",
         "drag, sunlight, burns",
     ] {
-        assert!(summary.contains(told), "{told} is not in\n{summary}");
+        assert!(
+            summary.contains(reported),
+            "{reported} is not in\n{summary}"
+        );
     }
 }
 

@@ -64,8 +64,8 @@ fn relief_is_drawn_where_heights_or_its_surface_are_named() {
     let SurfaceSettings::Clipmap(options) = relief(clipmap).expect("relief").settings else {
         panic!("not a clipmap");
     };
-    let told = (options.samples, options.levels, options.trim);
-    assert_eq!(told, (257, 24, Trim::Hexagon));
+    let reported = (options.samples, options.levels, options.trim);
+    assert_eq!(reported, (257, 24, Trim::Hexagon));
     let grid = "[earth]\nsurface = \"projected-grid\"\nprojected_grid = { samples = [65, 1025], on_gpu = false }\n";
     let SurfaceSettings::ProjectedGrid(options) = relief(grid).expect("relief").settings else {
         panic!("not a grid");
@@ -75,8 +75,8 @@ fn relief_is_drawn_where_heights_or_its_surface_are_named() {
     let scene = folder
         .load("[earth]\nsurface = \"clipmap\"\nclipmap = { levels = 6 }\n")
         .expect("good");
-    let told = "{ samples = 129, levels = 6, trimming = \"diamond\" }";
-    assert!(scene.summary().contains(told), "{}", scene.summary());
+    let reported = "{ samples = 129, levels = 6, trimming = \"diamond\" }";
+    assert!(scene.summary().contains(reported), "{}", scene.summary());
     assert!(given.denoise && !starter.denoise);
     let cast = "[earth]\nsurface = \"contours\"\ncontours = { drawn = \"cast\" }\n";
     let settings = relief(cast).expect("relief").settings;
@@ -87,8 +87,8 @@ fn relief_is_drawn_where_heights_or_its_surface_are_named() {
     let SurfaceSettings::Quadtree(options) = relief(tree).expect("relief").settings else {
         panic!("not a quadtree");
     };
-    let told = (options.split_rule, options.is_culled, options.max_leaves);
-    assert_eq!(told, (SplitRule::Paper { lambda: 300.0 }, false, 512));
+    let reported = (options.split_rule, options.is_culled, options.max_leaves);
+    assert_eq!(reported, (SplitRule::Paper { lambda: 300.0 }, false, 512));
     // The tolerance is in force for surfaces that look at it alone.
     let in_force = |text: &str| {
         let summary = folder.load(text).expect("good").full_summary();

@@ -116,10 +116,10 @@ fn the_summary_tells_values_origins_use_and_what_is_left_out() {
         "{summary}"
     );
     // A key of the file without effect is reported beside those in force.
-    let vain = scene("[tracks]\nmarker = true\n").summary();
+    let unused = scene("[tracks]\nmarker = true\n").summary();
     assert!(
-        vain.contains("marker             line 2 of the file is not used: it is reported"),
-        "{vain}"
+        unused.contains("marker             line 2 of the file is not used: it is reported"),
+        "{unused}"
     );
     assert!(summary.contains("billboard"), "{summary}");
 }

@@ -47,7 +47,7 @@ fn listening(frame: u64, keys: &str) -> Vec<u8> {
 }
 
 #[test]
-fn keys_are_told_to_the_script_that_listens_to_them() {
+fn keys_are_passed_to_the_script_that_listens_to_them() {
     let (simulation, address) = open(options());
     simulation.set_pace(StepPace::Free);
     let input = |peer: &mut Peer| peer.ask(&[b"REQUEST_INPUT"]).expect("an answer")[1].clone();
@@ -57,8 +57,8 @@ fn keys_are_told_to_the_script_that_listens_to_them() {
     let mut peer = Peer::connect(address);
     peer.update(&listening(1, "bé"));
     assert_eq!(simulation.heard_keys(), "bé");
-    let told = ['B', 'é', 'x'].map(|key| simulation.press(key));
-    assert_eq!(told, [Some('b'), Some('é'), None]);
+    let reported = ['B', 'é', 'x'].map(|key| simulation.press(key));
+    assert_eq!(reported, [Some('b'), Some('é'), None]);
     assert_eq!(input(&mut deaf), [0x08, 1]);
     assert_eq!(input(&mut peer), b"\x08\x01\x12\x05\x0a\x03b\xc3\xa9");
     // Once.

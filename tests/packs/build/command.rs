@@ -80,12 +80,12 @@ fn a_build_that_is_killed_goes_on_to_the_same_bytes() {
         "{complaint}"
     );
     assert!(contents(&folder.path().join("killed")) == contents(&folder.path().join("whole")));
-    let (code, told, _) = run(&["pack", "verify", "killed"], folder.path());
-    assert_eq!(code, Some(0), "{told}");
+    let (code, reported, _) = run(&["pack", "verify", "killed"], folder.path());
+    assert_eq!(code, Some(0), "{reported}");
 }
 
 #[test]
-fn notes_and_errors_are_told_and_nothing_else() {
+fn notes_and_errors_are_reported_and_nothing_else() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(
         folder.path().join("map.png"),
@@ -97,7 +97,7 @@ fn notes_and_errors_are_told_and_nothing_else() {
         arguments.extend_from_slice(more);
         run(&arguments, folder.path())
     };
-    let (code, told, complaint) = build(&[
+    let (code, reported, complaint) = build(&[
         "--clouds",
         "map.png",
         "--storage",
@@ -111,7 +111,7 @@ fn notes_and_errors_are_told_and_nothing_else() {
         "-o",
         "pack",
     ]);
-    assert_eq!((code, told.as_str()), (Some(0), ""), "{complaint}");
+    assert_eq!((code, reported.as_str()), (Some(0), ""), "{complaint}");
     assert!(
         complaint.contains("note: map.png: is in colour; its luminance"),
         "{complaint}"

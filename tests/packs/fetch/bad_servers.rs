@@ -27,7 +27,7 @@ fn fetch(
 }
 
 /// The message about a server that replies this for one tile, and the number of requests.
-fn told(bad: impl Fn(&str) -> Answer + Send + Sync + 'static) -> (String, usize) {
+fn reported(bad: impl Fn(&str) -> Answer + Send + Sync + 'static) -> (String, usize) {
     let folder = tempfile::tempdir().expect("a folder");
     let (done, server) = fetch(folder.path(), bad);
     let said = done.expect_err("a bad tile").to_string();
@@ -84,20 +84,20 @@ fn what_may_come_right_is_asked_for_again() {
     };
     for ((said, asked), expected, words) in [
         (
-            told(|_| Answer::failure("500 Internal Server Error")),
+            reported(|_| Answer::failure("500 Internal Server Error")),
             2,
             "the server answers 500",
         ),
         (
-            told(|_| Answer::failure("503 Service Unavailable")),
+            reported(|_| Answer::failure("503 Service Unavailable")),
             2,
             "the server answers 503",
         ),
-        (told(early), 2, "the answer breaks off after"),
-        (told(unsaid), 2, "it breaks off"),
-        (told(garbled), 2, "it cannot be decoded"),
-        (told(slow), 2, "too slow"),
-        (told(silent), 2, "too slow"),
+        (reported(early), 2, "the answer breaks off after"),
+        (reported(unsaid), 2, "it breaks off"),
+        (reported(garbled), 2, "it cannot be decoded"),
+        (reported(slow), 2, "too slow"),
+        (reported(silent), 2, "too slow"),
     ] {
         assert_eq!(asked, expected, "{said}");
         assert!(
@@ -135,25 +135,28 @@ fn what_will_not_come_right_is_asked_for_once() {
     };
     for ((said, asked), words) in [
         (
-            told(|_| Answer::failure("404 Not Found")),
+            reported(|_| Answer::failure("404 Not Found")),
             "the server answers 404",
         ),
         (
-            told(wrong_type),
+            reported(wrong_type),
             "the answer is text/html; charset=utf-8 and must be image/png",
         ),
-        (told(no_type), "the answer is of no type"),
-        (told(wrong_kind), "begins with \"<html>please log in</ht"),
+        (reported(no_type), "the answer is of no type"),
         (
-            told(wrong_size),
+            reported(wrong_kind),
+            "begins with \"<html>please log in</ht",
+        ),
+        (
+            reported(wrong_size),
             "it has 64 x 32 texels and must have 32 x 32",
         ),
-        (told(compressed), "the answer is compressed (gzip)"),
+        (reported(compressed), "the answer is compressed (gzip)"),
         (
-            told(large),
+            reported(large),
             "more than 8000000 bytes (the server says 9000000000)",
         ),
-        (told(endless), "more than 8000000 bytes"),
+        (reported(endless), "more than 8000000 bytes"),
     ] {
         assert_eq!(asked, 1, "{said}");
         assert!(
@@ -166,21 +169,24 @@ fn what_will_not_come_right_is_asked_for_once() {
 #[test]
 fn what_no_file_can_mend_ends_the_fetch() {
     for ((said, asked), words) in [
-        (told(|_| Answer::failure("403 Forbidden")), "may want a key"),
         (
-            told(|_| Answer::failure("400 Bad Request")),
+            reported(|_| Answer::failure("403 Forbidden")),
+            "may want a key",
+        ),
+        (
+            reported(|_| Answer::failure("400 Bad Request")),
             "correct layer, level, time",
         ),
         (
-            told(|_| Answer::failure("302 Found").with("Location", "http://127.0.0.1:1/x.png")),
+            reported(|_| Answer::failure("302 Found").with("Location", "http://127.0.0.1:1/x.png")),
             "sends on to http://127.0.0.1:1/x.png",
         ),
         (
-            told(|_| Answer::failure("301 Moved").with("Location", "file:///etc/passwd")),
+            reported(|_| Answer::failure("301 Moved").with("Location", "file:///etc/passwd")),
             "sends on to file:///etc/passwd",
         ),
         (
-            told(|_| Answer::failure("429 Too Many Requests").with("Retry-After", "86400")),
+            reported(|_| Answer::failure("429 Too Many Requests").with("Retry-After", "86400")),
             "come back when the server says so",
         ),
     ] {
@@ -191,7 +197,7 @@ fn what_no_file_can_mend_ends_the_fetch() {
         );
     }
     // Round and round on its own host.
-    let (said, asked) = told(|path| Answer::failure("302 Found").with("Location", path));
+    let (said, asked) = reported(|path| Answer::failure("302 Found").with("Location", path));
     assert!(
         said.contains("more than 5 times") && asked == 6,
         "{asked}: {said}"
@@ -246,8 +252,8 @@ fn what_is_missing_is_left_out_where_that_is_allowed() {
         .fetch(&options(folder.path()), &notes)
         .expect("fetched");
     assert_eq!((done.fetched[0].1.new, done.fetched[0].1.missing), (7, 1));
-    let told = notes.texts.into_inner().expect("whole").join("\n");
-    assert!(told.contains("nothing for 1 of 8 tiles"), "{told}");
+    let reported = notes.texts.into_inner().expect("whole").join("\n");
+    assert!(reported.contains("nothing for 1 of 8 tiles"), "{reported}");
     // It is remembered.
     layer(&text)
         .fetch(&options(folder.path()), &())
@@ -262,10 +268,10 @@ fn what_is_missing_is_left_out_where_that_is_allowed() {
         .fetch(&options, &notes)
         .expect("fetched");
     assert_eq!((done.fetched[0].1.new, done.fetched[0].1.failed), (7, 1));
-    let told = notes.texts.into_inner().expect("whole").join("\n");
+    let reported = notes.texts.into_inner().expect("whole").join("\n");
     assert!(
-        told.contains("1 of 8 files are left out") && told.contains("404"),
-        "{told}"
+        reported.contains("1 of 8 files are left out") && reported.contains("404"),
+        "{reported}"
     );
 }
 
@@ -285,13 +291,13 @@ fn pictures_that_stand_for_nothing_are_noticed_and_left_out_where_they_are_named
     let (options, text) = (options(folder.path()), description(&server));
     let notes = Notes::default();
     layer(&text).fetch(&options, &notes).expect("fetched");
-    let told = notes.texts.into_inner().expect("whole").join("\n");
+    let reported = notes.texts.into_inner().expect("whole").join("\n");
     assert!(
-        told.contains("4 of 8 tiles are one and the same picture"),
-        "{told}"
+        reported.contains("4 of 8 tiles are one and the same picture"),
+        "{reported}"
     );
-    let key = told.split('`').nth(1).expect("the key to give");
-    assert!(told.matches("same picture").count() == 1, "{told}");
+    let key = reported.split('`').nth(1).expect("the key to give");
+    assert!(reported.matches("same picture").count() == 1, "{reported}");
 
     // In the cache already, and in a separate fetch.
     let named = format!("{text}{key}\n");
@@ -305,10 +311,10 @@ fn pictures_that_stand_for_nothing_are_noticed_and_left_out_where_they_are_named
                 (done.fetched[0].1.missing, done.fetched[0].1.failed),
                 (4, 0)
             );
-            let told = notes.texts.into_inner().expect("whole").join("\n");
+            let reported = notes.texts.into_inner().expect("whole").join("\n");
             assert!(
-                told.contains("nothing for 4 of 8 tiles") && !told.contains("same picture"),
-                "{told}"
+                reported.contains("nothing for 4 of 8 tiles") && !reported.contains("same picture"),
+                "{reported}"
             );
         }
         let tiles = files(cache);

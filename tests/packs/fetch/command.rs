@@ -37,13 +37,13 @@ const PACK: [&str; 8] = [
 fn one_command_makes_a_pack_and_names_whose_it_is() {
     let (server, command) = (good(), [&PACK[..], &["earth"]].concat());
     let folder = place_of(&server);
-    let (code, told, complaint) = run(&[&command[..], &["--dry-run"]].concat(), folder.path());
+    let (code, reported, complaint) = run(&[&command[..], &["--dry-run"]].concat(), folder.path());
     assert_eq!(code, Some(0), "{complaint}");
     assert!(
-        told.contains("128 files")
-            && told.contains("/4/0/0.png")
-            && told.contains("nothing was downloaded"),
-        "{told}"
+        reported.contains("128 files")
+            && reported.contains("/4/0/0.png")
+            && reported.contains("nothing was downloaded"),
+        "{reported}"
     );
     assert_eq!(
         (server.count(), folder.path().join("earth.cache").exists()),
@@ -56,10 +56,10 @@ fn one_command_makes_a_pack_and_names_whose_it_is() {
         complaint.contains("local, level 4: 128 files downloaded"),
         "{complaint}"
     );
-    let (_, told, _) = run(&["pack", "info", "earth"], folder.path());
+    let (_, reported, _) = run(&["pack", "info", "earth"], folder.path());
     assert!(
-        told.contains("  Waves by the tests") && told.contains("from local, 512 x 256"),
-        "{told}"
+        reported.contains("  Waves by the tests") && reported.contains("from local, 512 x 256"),
+        "{reported}"
     );
     assert_eq!(
         run(&["--quiet", "pack", "verify", "earth"], folder.path()).0,
@@ -308,12 +308,12 @@ fn bad_usage_is_named() {
         );
     }
     assert_eq!(server.count(), 0);
-    let (code, told, _) = run(&["pack", "fetch", "--list"], folder.path());
+    let (code, reported, _) = run(&["pack", "fetch", "--list"], folder.path());
     assert!(
         code == Some(0)
-            && told.contains("attribution: NASA Earth Observatory")
-            && told.contains("terms: "),
-        "{told}"
+            && reported.contains("attribution: NASA Earth Observatory")
+            && reported.contains("terms: "),
+        "{reported}"
     );
 }
 

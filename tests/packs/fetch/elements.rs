@@ -78,8 +78,8 @@ fn elements_are_fetched_once_in_two_hours_and_flown() {
     let (code, _, said) = fetch(&["--group", "stations"]);
     assert_eq!(code, Some(0), "{said}");
     let states = ["orbit", "stations.tle", "--at", "2018-01-20T06:00:00Z"];
-    let (code, told, said) = run(&states, folder.path());
-    assert_eq!(code, Some(0), "{told} {said}");
+    let (code, reported, said) = run(&states, folder.path());
+    assert_eq!(code, Some(0), "{reported} {said}");
 }
 
 #[test]

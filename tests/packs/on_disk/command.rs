@@ -23,7 +23,7 @@ fn terrella(arguments: &[&str], folder: &Path) -> (Option<i32>, String, String) 
 #[test]
 fn info_tells_what_is_in_a_pack() {
     let fixture = Fixture::shared();
-    let (code, told, complaint) = terrella(&["pack", "info", "."], fixture.dir());
+    let (code, reported, complaint) = terrella(&["pack", "info", "."], fixture.dir());
     assert_eq!((code, complaint.as_str()), (Some(0), ""));
     for part in [
         "Known texels\n  Nobody's data\n  tiles kept as plain and bc\n",
@@ -32,16 +32,19 @@ fn info_tells_what_is_in_a_pack() {
         "\nwater  from a formula\n",
         "\n2560 files, ",
     ] {
-        assert!(told.contains(part), "{part:?} is not in {told}");
+        assert!(reported.contains(part), "{part:?} is not in {reported}");
     }
 }
 
 #[test]
 fn verify_names_bad_tiles_and_fails() {
     let fixture = Fixture::small();
-    let (code, told, _) = terrella(&["pack", "verify", "."], fixture.dir());
+    let (code, reported, _) = terrella(&["pack", "verify", "."], fixture.dir());
     assert_eq!(code, Some(0));
-    assert!(told.starts_with("2560 of 2560 tiles are good, "), "{told}");
+    assert!(
+        reported.starts_with("2560 of 2560 tiles are good, "),
+        "{reported}"
+    );
     let quiet = terrella(&["pack", "verify", ".", "--quiet"], fixture.dir());
     assert_eq!(quiet, (Some(0), String::new(), String::new()));
 
@@ -50,13 +53,16 @@ fn verify_names_bad_tiles_and_fails() {
         b"bad",
     );
     write(&fixture.dir().join("tiles/odd\u{1b}[31m"), b"");
-    let (code, told, complaint) = terrella(&["pack", "verify", "."], fixture.dir());
+    let (code, reported, complaint) = terrella(&["pack", "verify", "."], fixture.dir());
     assert_eq!(code, Some(1));
     assert!(
-        told.contains("corrupt   tiles/bc/normals/33/r1c2.ktx2: it has 3 bytes"),
-        "{told}"
+        reported.contains("corrupt   tiles/bc/normals/33/r1c2.ktx2: it has 3 bytes"),
+        "{reported}"
     );
-    assert!(told.contains("unknown   tiles/odd\\u{1b}[31m"), "{told}");
+    assert!(
+        reported.contains("unknown   tiles/odd\\u{1b}[31m"),
+        "{reported}"
+    );
     assert_eq!(
         complaint,
         "error: .: 1 of 2560 tiles are corrupt; build the pack again\n"
@@ -107,7 +113,7 @@ fn preview_writes_a_whole_picture_or_none() {
 }
 
 #[test]
-fn bad_packs_and_bad_usage_are_told() {
+fn bad_packs_and_bad_usage_are_reported() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for command in ["info", "verify"] {
         let (code, _, complaint) = terrella(&["pack", command, "."], folder.path());
@@ -130,9 +136,9 @@ fn bad_packs_and_bad_usage_are_told() {
             "{arguments:?}"
         );
     }
-    let (code, told, _) = terrella(&["pack", "--help"], folder.path());
+    let (code, reported, _) = terrella(&["pack", "--help"], folder.path());
     assert_eq!(code, Some(0));
     for word in ["info", "verify", "preview"] {
-        assert!(told.contains(word), "{told}");
+        assert!(reported.contains(word), "{reported}");
     }
 }

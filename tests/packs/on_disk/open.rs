@@ -20,7 +20,7 @@ fn a_pack_is_opened() {
 }
 
 #[test]
-fn what_is_no_pack_is_told_apart() {
+fn what_is_no_pack_is_distinguished() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let dir = folder.path();
     let error = rejected(&dir.join("nowhere"));

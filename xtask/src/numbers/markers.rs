@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_markers_are_told() {
+    fn broken_markers_are_reported() {
         for (page, must_say) in [
             (
                 "x\n<!-- numbers c -->1<!-- end numbers -->",

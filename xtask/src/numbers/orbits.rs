@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn a_method_that_is_missing_is_told() {
+    fn a_method_that_is_missing_is_reported() {
         let few = ROWS.lines().take(5).collect::<Vec<_>>().join("\n");
         assert!(
             errors(&run(&few))

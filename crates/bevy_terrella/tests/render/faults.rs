@@ -22,7 +22,7 @@ fn is_drawn(app: &mut App) {
 }
 
 #[test]
-fn faults_are_told_and_pass() {
+fn faults_are_reported_and_pass() {
     if Native::open().is_none() {
         return;
     }

@@ -173,9 +173,9 @@ int main(int argc, char **argv) {
     EXPECT(terrella_earth_truth(earth, &camera, noon, 0, &layer, 1, NULL), TERRELLA_ARGUMENT, "layers[0].bytes");
     free(lat);
     free(depth);
-    TerrellaLayer told;
-    for (size_t n = 0; n < terrella_layer_count(); n++) EXPECT(terrella_layer(n, &told), TERRELLA_OK, "");
-    EXPECT(terrella_layer(terrella_layer_count(), &told), TERRELLA_ARGUMENT, "index");
+    TerrellaLayer reported;
+    for (size_t n = 0; n < terrella_layer_count(); n++) EXPECT(terrella_layer(n, &reported), TERRELLA_OK, "");
+    EXPECT(terrella_layer(terrella_layer_count(), &reported), TERRELLA_ARGUMENT, "index");
     EXPECT(terrella_layer(0, NULL), TERRELLA_NULL, "layer");
 
     // Threads share a handle.

@@ -382,8 +382,8 @@ mod tests {
                 let fading = (-DiffractionPattern::FADING[1] * sides).exp();
                 fading * places.sum::<f64>() / f64::from(SUN_PLACES) / squared.max(radius * radius)
             });
-            let (drawn, told) = (drawn.sum::<f64>(), pattern.diffracted(radius));
-            assert!((told / drawn - 1.0).abs() < 0.05, "{told} {drawn}");
+            let (drawn, reported) = (drawn.sum::<f64>(), pattern.diffracted(radius));
+            assert!((reported / drawn - 1.0).abs() < 0.05, "{reported} {drawn}");
         }
         // For a point source, a circle of this diameter has 2/(π² · 80) outside.
         assert!((0.5..3.0).contains(&(clean.diffracted(20.0) * PI * PI * 40.0)));

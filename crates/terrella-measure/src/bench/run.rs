@@ -296,7 +296,7 @@ fn notices(report: &BenchReport, gpu: &GpuContext, missing_tiles: usize) -> Vec<
     }
     if report.rows.iter().any(|row| row.frame_ms.p99.is_none()) {
         notices.push(
-            "p95 is told of 20 frames a row and more, p99 of 100 and more (--frames, --repeats)"
+            "p95 is given for 20 frames a row and more, p99 of 100 and more (--frames, --repeats)"
                 .to_owned(),
         );
     }

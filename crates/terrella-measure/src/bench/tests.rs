@@ -114,7 +114,7 @@ fn a_report_is_read_back_as_it_was_written() {
 }
 
 #[test]
-fn a_file_that_no_run_writes_is_refused_with_the_reason() {
+fn a_file_that_no_run_writes_is_rejected_with_the_reason() {
     let text = report().to_json();
     let with = |from: &str, to: &str| {
         assert!(text.contains(from), "{from} is not in {text}");
@@ -187,7 +187,7 @@ fn a_file_that_no_run_writes_is_refused_with_the_reason() {
 }
 
 #[test]
-fn a_baseline_of_something_else_is_refused_with_the_difference() {
+fn a_baseline_of_something_else_is_rejected_with_the_difference() {
     type Spoil = fn(&mut BenchReport);
     let spoils: [(Spoil, &str); 9] = [
         (
@@ -269,7 +269,7 @@ fn only_a_row_whose_whole_interval_is_slower_fails() {
 }
 
 #[test]
-fn another_machine_and_few_runs_are_told() {
+fn another_machine_and_few_runs_are_reported() {
     let same = baseline(|_| {}).notices(&report());
     assert!(same.is_empty(), "{same:?}");
     let notices = baseline(|r| {

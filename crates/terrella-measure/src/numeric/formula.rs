@@ -296,7 +296,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cancelling_form_is_told_from_a_stable_one() {
+    fn a_cancelling_form_is_distinguished_from_a_stable_one() {
         let rows = difference_of_roots().rows();
         let [printed, stable] = rows.as_slice() else {
             panic!("two forms")

@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn a_trade_is_told_from_a_hard_case() {
+    fn a_trade_is_distinguished_from_a_hard_case() {
         let trade = [
             measurement("a", 1.0, 1e-3, 100.0),
             measurement("a", 10.0, 1e-1, 10.0),

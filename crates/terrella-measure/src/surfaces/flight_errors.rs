@@ -165,7 +165,7 @@ struct Found {
     vertices_most: u32,
     resident_bytes: u64,
     gpu_bytes: u64,
-    told_px: Option<f64>,
+    reported_px: Option<f64>,
     metres: LogHistogram,
     pixels: LogHistogram,
     worst_frame_px: f64,
@@ -183,8 +183,11 @@ impl Found {
         self.vertices_most = self.vertices_most.max(ground.vertices);
         self.resident_bytes = self.resident_bytes.max(ground.resident_bytes);
         self.gpu_bytes = self.gpu_bytes.max(stats.ground_bytes);
-        if let Some(told) = ground.error_px {
-            self.told_px = Some(self.told_px.map_or(told, |before| before.max(told)));
+        if let Some(reported) = ground.error_px {
+            self.reported_px = Some(
+                self.reported_px
+                    .map_or(reported, |before| before.max(reported)),
+            );
         }
     }
 
@@ -232,7 +235,7 @@ impl Found {
             error_px_p99: rounded(self.pixels.quantile(0.99), 4),
             error_px_most: rounded(self.pixels.max(), 4),
             worst_frame_px: rounded(self.worst_frame_px, 4),
-            told_px_most: self.told_px.map(|told| rounded(told, 4)),
+            reported_px_most: self.reported_px.map(|reported| rounded(reported, 4)),
             holes: self.holes,
             elsewhere_percent: rounded(percent, 4),
             popping_px_p999: rounded(self.jumps_px.quantile(0.999), 4),

@@ -22,7 +22,7 @@ pub const COLUMNS: [&str; 19] = [
     "99 %, m",
     "99 %, px",
     "worst frame, px",
-    "told, px",
+    "reported, px",
     "holes",
     "elsewhere, %",
     "popping, px",
@@ -50,8 +50,8 @@ pub fn numbers(row: &ErrorRow, cost: Option<&FlightSummary>) -> [String; COLUMNS
         format!("{:.0}", row.error_m_p99),
         format!("{:.2}", row.error_px_p99),
         format!("{:.2}", row.worst_frame_px),
-        row.told_px_most
-            .map_or_else(|| "–".to_owned(), |told| format!("{told:.2}")),
+        row.reported_px_most
+            .map_or_else(|| "–".to_owned(), |reported| format!("{reported:.2}")),
         row.holes.to_string(),
         format!("{:.2}", row.elsewhere_percent),
         format!("{:.2}", row.popping_px_p999),

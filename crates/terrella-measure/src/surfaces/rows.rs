@@ -133,7 +133,7 @@ pub struct ErrorRow {
     /// 99th percentile over the pixels of the worst frame.
     pub worst_frame_px: f64,
     /// The largest error that the surface itself reports, pixels; `None` where it has no bound.
-    pub told_px_most: Option<f64>,
+    pub reported_px_most: Option<f64>,
     /// Holes among the pixels that were looked at.
     pub holes: u64,
     /// Part of the pixels that show what is not to be seen there, %.

@@ -75,13 +75,13 @@ mod tests {
     use super::Workers;
 
     #[test]
-    fn answers_stand_in_order_and_each_is_told_once() {
+    fn answers_stand_in_order_and_each_is_reported_once() {
         for threads in [0, 1, 2, 5, 200] {
-            let mut told = Vec::new();
-            let answers = Workers::new(threads).map(37, |k| k * k, &mut |k| told.push(k));
+            let mut reported = Vec::new();
+            let answers = Workers::new(threads).map(37, |k| k * k, &mut |k| reported.push(k));
             assert_eq!(answers, (0..37).map(|k| k * k).collect::<Vec<_>>());
-            told.sort_unstable();
-            assert_eq!(told, (0..37).collect::<Vec<_>>());
+            reported.sort_unstable();
+            assert_eq!(reported, (0..37).collect::<Vec<_>>());
         }
         assert!(Workers::new(3).map(0, |k| k, &mut |_| ()).is_empty());
     }

@@ -90,7 +90,7 @@ struct Inner {
     roster_serial: u64,
     counters: Counters,
     notes: Vec<String>,
-    told: BTreeSet<String>,
+    reported: BTreeSet<String>,
     /// The world of the session that spoke last, for one that goes on without saying all again.
     world: Option<World>,
     pace: StepPace,
@@ -240,13 +240,13 @@ impl SharedSimulation {
         let mut inner = self.lock();
         let new: Vec<_> = notes
             .iter()
-            .filter(|note| !inner.told.contains(*note))
+            .filter(|note| !inner.reported.contains(*note))
             .cloned()
             .collect();
         for note in new {
-            if inner.told.len() < MAX_NOTES {
+            if inner.reported.len() < MAX_NOTES {
                 tracing::warn!("{note}");
-                inner.told.insert(note.clone());
+                inner.reported.insert(note.clone());
                 inner.notes.push(note);
             }
         }

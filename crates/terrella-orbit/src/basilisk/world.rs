@@ -182,7 +182,7 @@ pub struct World {
     undrawn: Undrawn,
     is_sky_black: bool,
     /// The bodies that are not drawn and have been reported.
-    bodies_told: BTreeSet<String>,
+    bodies_noted: BTreeSet<String>,
     notes: Vec<String>,
 }
 
@@ -197,7 +197,7 @@ impl World {
             cameras: Arc::new([]),
             undrawn: Undrawn::default(),
             is_sky_black: false,
-            bodies_told: BTreeSet::new(),
+            bodies_noted: BTreeSet::new(),
             notes: Vec::new(),
         }
     }
@@ -402,8 +402,8 @@ impl World {
                 .any(|one| is_named(body, one))
         };
         for body in bodies.iter().filter(|body| !drawn(body)) {
-            if self.bodies_told.len() < MAX_NOTES && !self.bodies_told.contains(&body.name) {
-                self.bodies_told.insert(body.name.clone());
+            if self.bodies_noted.len() < MAX_NOTES && !self.bodies_noted.contains(&body.name) {
+                self.bodies_noted.insert(body.name.clone());
                 self.note(format!("not drawn: {:?}", body.name));
             }
         }

@@ -39,7 +39,7 @@ fn places_are_brought_to_the_earths_centre_and_the_epoch_is_kept() {
 }
 
 #[test]
-fn what_is_missing_is_told_once_and_the_ephemeris_lights() {
+fn what_is_missing_is_reported_once_and_the_ephemeris_lights() {
     let mut world = World::new(start());
     let bare = |frame| {
         messages::message(
@@ -62,18 +62,18 @@ fn what_is_missing_is_told_once_and_the_ephemeris_lights() {
     assert_eq!(snapshot.sun_m, sun_position_gcrf_m(snapshot.epoch));
     assert_eq!(snapshot.craft.len(), 1);
     assert_eq!(rfc3339(snapshot.epoch), "2018-01-15T12:01:00.000Z");
-    let told = world.notes().join("\n");
+    let reported = world.notes().join("\n");
     for part in [
         "no epoch", "no Sun", "identity", "lost", "spun", "mars", "quadMaps",
     ] {
-        assert!(told.contains(part), "{part}: {told}");
+        assert!(reported.contains(part), "{part}: {reported}");
     }
     let count = world.notes().len();
     take(&mut world, &bare(2)).expect("drawn");
     assert_eq!(
         world.notes().len(),
         count,
-        "told twice: {:?}",
+        "reported twice: {:?}",
         world.notes()
     );
 }

@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn others_are_told() {
+    fn others_are_reported() {
         for (bytes, media, size, words) in [
             (JPEG, Media::Png, None, "no image/png"),
             (

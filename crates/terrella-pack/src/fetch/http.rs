@@ -64,8 +64,8 @@ pub(super) enum GetError {
     #[error("the server sends on to {to}")]
     Redirect { to: String },
     /// More than a file may have.
-    #[error("the answer has more than {most} bytes{}", told.map_or(String::new(), |told| format!(" (the server says {told})")))]
-    TooLarge { most: u64, told: Option<u64> },
+    #[error("the answer has more than {most} bytes{}", reported.map_or(String::new(), |reported| format!(" (the server says {reported})")))]
+    TooLarge { most: u64, reported: Option<u64> },
     /// A media type other than the requested one.
     #[error("the answer is {found} and must be {wanted}")]
     Media { found: String, wanted: &'static str },
@@ -179,7 +179,7 @@ impl Client {
             {
                 request = request.header("authorization", header);
             }
-            let response = request.call().map_err(|error| told(error, 0))?;
+            let response = request.call().map_err(|error| reported(error, 0))?;
             let header = |name: &str| {
                 let value = response.headers().get(name)?.to_str().ok()?;
                 Some(value.chars().take(200).collect::<String>())
@@ -218,7 +218,7 @@ impl Client {
             if length.is_some_and(|length: u64| length > most_bytes) {
                 return Err(GetError::TooLarge {
                     most: most_bytes,
-                    told: length,
+                    reported: length,
                 });
             }
             let mut body = response.into_body();
@@ -248,13 +248,13 @@ impl Client {
                 Ok(0) => return Ok(count),
                 Ok(read) => read,
                 Err(error) if error.kind() == ErrorKind::Interrupted => continue,
-                Err(error) => return Err(told(Error::from(error), count)),
+                Err(error) => return Err(reported(Error::from(error), count)),
             };
             count += read as u64;
             if count > most_bytes {
                 return Err(GetError::TooLarge {
                     most: most_bytes,
-                    told: None,
+                    reported: None,
                 });
             }
             out.write_all(&piece[..read]).map_err(GetError::Write)?;
@@ -283,7 +283,7 @@ fn is_media(found: &str, wanted: &str) -> bool {
 }
 
 /// Converts an error after `count` bytes.
-fn told(error: Error, count: u64) -> GetError {
+fn reported(error: Error, count: u64) -> GetError {
     match error {
         Error::Timeout(what) => GetError::Slow(what.to_string()),
         Error::Tls(cause) => GetError::Certificate(printable(cause)),

@@ -182,15 +182,15 @@ fn tiles_do_not_tell_how_their_files_were_read() {
         let folder = day_folder();
         let paths = make(folder.path());
         let much = options(folder.path(), &paths, "held");
-        let told = Notes::default();
-        let manifest = build(&much, &told).expect("builds");
-        assert_eq!(spooled(told), 0, "{name}: held");
+        let reported = Notes::default();
+        let manifest = build(&much, &reported).expect("builds");
+        assert_eq!(spooled(reported), 0, "{name}: held");
         let kind = manifest.heights.as_ref().expect("heights").kind;
         assert_eq!(kind == HeightKind::F32, is_float, "{name}: {kind:?}");
         let little = little(much.clone(), "parts");
-        let told = Notes::default();
-        build(&little, &told).expect("builds");
-        assert_eq!(spooled(told), paths.len(), "{name}: none is held");
+        let reported = Notes::default();
+        build(&little, &reported).expect("builds");
+        assert_eq!(spooled(reported), paths.len(), "{name}: none is held");
         let (held, parts) = (contents(&much.out), contents(&little.out));
         assert!(held.len() > 128 + 128);
         for (file, bytes) in &held {

@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn rasters_lie_where_they_are_told() {
+    fn rasters_lie_where_they_are_placed() {
         let earth = Target::earth(16);
         let spans = earth.spans(&place(-180.0, 180.0, 16), 16);
         assert_eq!(

@@ -273,10 +273,10 @@ fn web_mercator_is_laid_on_latitudes() {
     fs::remove_file(folder.0.path().join("t/0/1.png")).expect("removed");
     folder.put("t/1/0.png", b"\x89PNG\r\n\x1a\nrubbish");
     let (map, notes) = folder.read(tiles);
-    let told = notes.join("\n");
+    let reported = notes.join("\n");
     assert!(
-        told.contains("1 tiles are not there") && told.contains("1 tiles are damaged"),
-        "{told}"
+        reported.contains("1 tiles are not there") && reported.contains("1 tiles are damaged"),
+        "{reported}"
     );
     assert_eq!(
         (map.at(300, 100), map.at(100, 100)[0] > 0, map.at(100, 200)),

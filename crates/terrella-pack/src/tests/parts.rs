@@ -152,7 +152,7 @@ fn stops_passes_threads_and_little_memory_do_not_change_a_byte() {
 }
 
 #[test]
-fn detail_that_no_level_holds_is_told() {
+fn detail_that_no_level_holds_is_reported() {
     let folder = folder();
     let options = BuildOptions {
         relief: None,
@@ -162,6 +162,9 @@ fn detail_that_no_level_holds_is_told() {
     let notes = Notes::default();
     cut(&options, &notes).expect("builds");
     let notes = notes.all();
-    let told = "map.png: has 512 texels round the Earth and the finest day level 320; finer detail is averaged, --pixels day=40,20,16 keeps 640";
-    assert!(notes.iter().any(|note| note.ends_with(told)), "{notes:?}");
+    let reported = "map.png: has 512 texels round the Earth and the finest day level 320; finer detail is averaged, --pixels day=40,20,16 keeps 640";
+    assert!(
+        notes.iter().any(|note| note.ends_with(reported)),
+        "{notes:?}"
+    );
 }

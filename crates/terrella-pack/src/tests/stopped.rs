@@ -320,7 +320,7 @@ fn a_folder_of_something_else_is_left_alone() {
 }
 
 #[test]
-fn two_builds_in_one_folder_are_told_apart() {
+fn two_builds_in_one_folder_are_distinguished() {
     let folder = folder();
     let options = options(folder.path(), "pack");
     build_with(&options, &(), &Failing::after(10), Division::default()).expect_err("no room");

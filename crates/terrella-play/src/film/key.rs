@@ -169,8 +169,10 @@ fn input_differences(now: &[FilmInput], before: &[FilmInput]) -> Vec<String> {
         ("new", only_in(&now, &before)),
         ("missing", only_in(&before, &now)),
     ];
-    let told = kinds.into_iter().filter(|(_, names)| !names.is_empty());
-    told.map(|(how, names)| file_words(how, &names)).collect()
+    let reported = kinds.into_iter().filter(|(_, names)| !names.is_empty());
+    reported
+        .map(|(how, names)| file_words(how, &names))
+        .collect()
 }
 
 /// Files by their keys, their names and their numbers among those that are alike in both.

@@ -89,7 +89,7 @@ mod tests {
     use terrella::frames::utc_from_rfc3339;
 
     #[test]
-    fn an_instant_and_a_camera_are_told_exactly() {
+    fn an_instant_and_a_camera_are_reported_exactly() {
         let text = "[time]\nstart = \"2016-12-31T23:59:59Z\"\nspeed = 1\nframe_rate_hz = 3\nduration_s = 10\n";
         let scene = Scene::from_toml(text, "a.toml".as_ref()).expect("good");
         let start = utc_from_rfc3339("2016-12-31T23:59:59Z").expect("a date");

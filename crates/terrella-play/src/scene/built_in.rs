@@ -241,7 +241,7 @@ mod tests {
         assert_eq!(theirs.elements(), ours.elements());
         assert!(shipped.orbits.iter().all(Orbit::is_built_in));
         shipped.orbits.clone_from(&file.orbits);
-        let told = |scene: &Scene| {
+        let reported = |scene: &Scene| {
             let summary = scene.full_summary();
             let lines = summary.lines().skip(1);
             let lines = lines.filter(|line| {
@@ -250,7 +250,7 @@ mod tests {
             });
             lines.map(|line| line.to_owned() + "\n").collect::<String>()
         };
-        assert_eq!(told(&shipped), told(&file));
+        assert_eq!(reported(&shipped), reported(&file));
     }
 
     #[test]

@@ -23,8 +23,8 @@ impl App<'_> {
     pub(super) fn press_key(&mut self, event_loop: &ActiveEventLoop, event: &KeyEvent) {
         let is_free = !event.repeat && !self.controls.is_modal();
         let live = self.live.as_ref().filter(|_| is_free);
-        if let Some(told) = live.and_then(|live| live.press(&event.logical_key)) {
-            self.show_message(told);
+        if let Some(reported) = live.and_then(|live| live.press(&event.logical_key)) {
+            self.show_message(reported);
             self.redraw();
             return;
         }

@@ -25,7 +25,7 @@ impl<R: BufRead + Seek> Png<R> {
         context: &FileContext,
         byte_order: Option<ByteOrder>,
     ) -> Result<(Self, Header), HeightFileError> {
-        let told = |error| png_error(context, error);
+        let reported = |error| png_error(context, error);
         let mut decoder = png::Decoder::new_with_limits(
             reader,
             Limits {
@@ -35,12 +35,12 @@ impl<R: BufRead + Seek> Png<R> {
         decoder.set_transformations(Transformations::IDENTITY);
         decoder.set_ignore_text_chunk(true);
         decoder.set_ignore_iccp_chunk(true);
-        let (columns, rows) = decoder.read_header_info().map_err(told)?.size();
+        let (columns, rows) = decoder.read_header_info().map_err(reported)?.size();
         let sides = 1..=crate::elevation::MAX_SIDE;
         if !sides.contains(&columns) || !sides.contains(&rows) {
             return Err(context.grid(crate::elevation::GridError::Size { columns, rows }));
         }
-        let reader = decoder.read_info().map_err(told)?;
+        let reader = decoder.read_info().map_err(reported)?;
         let info = reader.info();
         let (colour, depth) = (info.color_type, info.bit_depth);
         let is_short = depth == BitDepth::Sixteen;

@@ -46,16 +46,16 @@ impl<R: BufRead + Seek> Tiff<R> {
         context: &FileContext,
         band: Option<u16>,
     ) -> Result<(Self, Header), HeightFileError> {
-        let told = |error| tiff_error(context, error);
-        let mut decoder = Decoder::new(reader).map_err(told)?;
-        let (columns, rows) = decoder.dimensions().map_err(told)?;
+        let reported = |error| tiff_error(context, error);
+        let mut decoder = Decoder::new(reader).map_err(reported)?;
+        let (columns, rows) = decoder.dimensions().map_err(reported)?;
         let sides = 1..=MAX_SIDE;
         if !sides.contains(&columns) || !sides.contains(&rows) {
             return Err(context.grid(GridError::Size { columns, rows }));
         }
         let bands = Bands::of(&mut decoder, band, context)?;
         let photometric = decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation);
-        if photometric.map_err(told)? == Some(0) {
+        if photometric.map_err(reported)? == Some(0) {
             // The decoder would invert the values.
             return Err(unsupported(
                 context,
@@ -87,9 +87,9 @@ impl<R: BufRead + Seek> Tiff<R> {
             }
         };
         let number = |text: &str| text.trim_matches(['\0', ' ', '\n']).parse::<f64>().ok();
-        let no_data = match decoder.find_tag(Tag::GdalNodata).map_err(told)? {
+        let no_data = match decoder.find_tag(Tag::GdalNodata).map_err(reported)? {
             Some(value) => {
-                let text = value.into_string().map_err(told)?;
+                let text = value.into_string().map_err(reported)?;
                 let shown = excerpt(&text);
                 Some(number(&text).ok_or_else(|| {
                     context.rejected(

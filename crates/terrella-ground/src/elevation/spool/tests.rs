@@ -274,7 +274,7 @@ fn files_of_all_formats_are_spooled() {
 }
 
 #[test]
-fn what_cannot_be_spooled_is_told_and_nothing_stays() {
+fn what_cannot_be_spooled_is_reported_and_nothing_stays() {
     let folder = tempfile::tempdir().expect("a folder");
     let case = Case {
         size: (161, 97),

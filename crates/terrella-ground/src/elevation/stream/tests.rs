@@ -257,7 +257,7 @@ fn what_was_read_before_says_nothing_of_a_height() {
 }
 
 #[test]
-fn what_changes_lies_within_the_changes_that_are_told() {
+fn what_changes_lies_within_the_changes_that_are_reported() {
     let (tiles, ground) = streamed(TestTiles::new(4, 16, inset).gated(), 40_000 + 700_000);
     let layout = tiles.layout();
     let spacings = [0.0, 1.0, 1.9, 2.0, 3.9, 4.1, 9.0].map(|s| s * layout.spacing_rad(0));
@@ -282,14 +282,17 @@ fn what_changes_lies_within_the_changes_that_are_told() {
                 continue;
             }
             others += 1;
-            let told = changes.iter().any(|change| {
+            let reported = changes.iter().any(|change| {
                 spacings[n % 7] < change.below_rad && change.touches_place(lat, lon, 0.0)
             });
-            assert!(told, "{} {} at {lat} {lon}", before[n], after[n]);
+            assert!(reported, "{} {} at {lat} {lon}", before[n], after[n]);
             let range = last.range_up_to_m(&Bounds::around(lat, lon, 0.0), 0.0);
-            let told = changes.iter().map(|change| change.range);
-            let low = told.clone().map(|r| r.low_m).fold(range.low_m, f64::min);
-            let high = told.map(|r| r.high_m).fold(range.high_m, f64::max);
+            let reported = changes.iter().map(|change| change.range);
+            let low = reported
+                .clone()
+                .map(|r| r.low_m)
+                .fold(range.low_m, f64::min);
+            let high = reported.map(|r| r.high_m).fold(range.high_m, f64::max);
             let is_within = low <= after[n] && after[n] <= high;
             assert!(
                 is_within || spacings[n % 7] > layout.spacing_rad(2),
@@ -414,7 +417,7 @@ impl HeightTileSource for Broken {
 }
 
 #[test]
-fn tiles_that_cannot_be_read_are_told_and_not_waited_for() {
+fn tiles_that_cannot_be_read_are_reported_and_not_waited_for() {
     let source = Arc::new(Broken(TestTiles::new(2, 16, |_| true)));
     let options = HeightStreamOptions::default();
     let ground = StreamedGround::new(source, Ground::new([]), &options).expect("sound");

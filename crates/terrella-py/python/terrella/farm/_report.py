@@ -42,7 +42,7 @@ class Report:
     bytes_written: int = 0
     """Bytes of the files that it wrote."""
     bytes_moved: int = 0
-    """Bytes of what was told to workers and what they answered."""
+    """Bytes of what was sent to workers and what they answered."""
     by_worker: dict[str, int] = field(default_factory=dict)
     """How many of `done` each worker drew."""
     drawing_seconds: float = 0.0

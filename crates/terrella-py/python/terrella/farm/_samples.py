@@ -70,7 +70,7 @@ class Chosen:
             lat_deg, lon_deg = self.values["place"]
         return math.radians(float(lat_deg)), math.radians(float(lon_deg))
 
-    def told(self) -> dict[str, Any]:
+    def reported(self) -> dict[str, Any]:
         """The same as numbers and text."""
         values, time = self.values, self.values["time"]
         lat_deg, lon_deg = values["place"]

@@ -20,7 +20,7 @@ from ._formats import FORMATS
 from ._open_engine import check_engine, open_engine
 from ._report import FarmError, Report
 from ._samples import ORDER, Plan
-from .distributions import Constant, Dates, Drawn, LogUniform, OnSphere, Uniform, as_distribution, check_extent, told
+from .distributions import Constant, Dates, Drawn, LogUniform, OnSphere, Uniform, as_distribution, check_extent, reported
 
 if TYPE_CHECKING:
     from .._types import Time
@@ -124,9 +124,9 @@ def sweep(
         "count": count,
         "samples_a_shard": samples_a_shard,
         "kind": format,
-        "drawn": {name: told(distributions[name]) for name in ORDER if name in distributions},
+        "drawn": {name: reported(distributions[name]) for name in ORDER if name in distributions},
         "exposure_ev": "auto" if exposure is None else exposure,
-        "draw": None if draw is None else told(as_distribution(draw, "draw")),
+        "draw": None if draw is None else reported(as_distribution(draw, "draw")),
         "attribution": attribution(maps, _files_of(key), _native.scene_attribution(scene, maps)),
     }
     plan = Plan(seed, distributions, draw)
@@ -356,8 +356,8 @@ def _sample(scene: Any, part: dict[str, Any], index: int) -> tuple[int, dict[str
     camera, time = chosen.camera(), chosen.values["time"]
     color = scene.color(time, camera=camera, exposure_ev=chosen.values.get("exposure_ev"))
     truth = scene.truth(time, part["layers"], camera=camera) if part["layers"] else {}
-    told = chosen.told()
-    if told["exposure_ev"] is None:
-        told["exposure_ev"] = part["exposure_ev"]
-    known = {**told, "seed": part["plan"].seed, "scene_blake3": part["scene_blake3"]}
+    reported = chosen.reported()
+    if reported["exposure_ev"] is None:
+        reported["exposure_ev"] = part["exposure_ev"]
+    known = {**reported, "seed": part["plan"].seed, "scene_blake3": part["scene_blake3"]}
     return index, known, color, truth

@@ -208,7 +208,7 @@ def drawn(distribution: Any, random: np.random.Generator) -> Any:
     return distribution.draw(random) if hasattr(distribution, "draw") else distribution(random)
 
 
-def told(distribution: Any) -> str:
+def reported(distribution: Any) -> str:
     """What a distribution is, as text that is another for another: of a function its name and the checksum of its source."""
     if hasattr(distribution, "draw"):
         return repr(distribution)

@@ -166,12 +166,12 @@ fn what_makes_no_grid_is_said() {
         said(&good, vec![0.0; 31]),
         "has 31 heights for 32 samples; give one for each"
     );
-    for (height, told) in [(29_029.0, "29029 m"), (-32_768.0, "-32768 m")] {
+    for (height, reported) in [(29_029.0, "29029 m"), (-32_768.0, "-32768 m")] {
         let mut heights = vec![0.0; 32];
         heights[3] = height;
         let said = said(&good, heights);
         assert!(
-            said.contains(told)
+            said.contains(reported)
                 && said.contains("correct unit, scale, offset, no-data value or byte order")
         );
     }

@@ -75,8 +75,11 @@ fn the_first_band_is_taken_or_the_one_that_is_named() {
                 _ => None,
             }
         };
-        let told = note("").expect("a note");
-        assert!(told.contains("has 2 bands; the first is taken"), "{told}");
+        let reported = note("").expect("a note");
+        assert!(
+            reported.contains("has 2 bands; the first is taken"),
+            "{reported}"
+        );
         assert_eq!(note("band = 1"), None);
     }
     let none = Sidecar::from_toml("band = 0", Path::new("dem.toml")).unwrap_err();

@@ -97,7 +97,7 @@ fn every_type_of_numbers_is_read() {
 }
 
 #[test]
-fn places_are_told_in_several_ways() {
+fn places_are_reported_in_several_ways() {
     let height = |lat: f64, lon: f64| 100.0 * ((49.5 - lat) * 6.0 + lon - 10.5);
     let matrix = |m: [f64; 8]| {
         let mut all = m.to_vec();
@@ -158,7 +158,7 @@ fn places_are_told_in_several_ways() {
 }
 
 #[test]
-fn units_are_told_or_rejected() {
+fn units_are_reported_or_rejected() {
     let unit = |pairs: &[(u16, u16)]| {
         let mut all = vec![(1024, 2), (1025, 1), (2048, 4326)];
         all.extend(pairs);
@@ -242,7 +242,7 @@ fn the_starter_pack_is_read() {
     let textures = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("textures");
     let open = |name| open_heights(&textures.join(name), &GridLimits::default()).expect("good");
     let (globe, trinidad) = (open("elevation.png"), open("dem/trinidad.png"));
-    assert!(globe.attribution.expect("told").contains("ETOPO1"));
+    assert!(globe.attribution.expect("reported").contains("ETOPO1"));
     let (globe, trinidad) = (Arc::new(globe.grid), Arc::new(trinidad.grid));
     assert_eq!(globe.stats().holes + trinidad.stats().holes, 0);
     assert_eq!(

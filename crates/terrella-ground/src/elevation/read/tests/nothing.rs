@@ -11,7 +11,7 @@ fn first_is(first: f32) -> Plain {
 }
 
 #[test]
-fn numbers_that_usually_mean_no_data_are_holes_and_told() {
+fn numbers_that_usually_mean_no_data_are_holes_and_reported() {
     for first in [-9999.0, -32_768.0, -32_767.0, -99_999.0, f32::MIN] {
         let file = read(first_is(first).bytes(), "").unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(

@@ -101,7 +101,7 @@ fn files_that_hold_no_heights_are_rejected() {
 }
 
 #[test]
-fn truncated_and_lying_files_are_told() {
+fn truncated_and_lying_files_are_reported() {
     for name in [
         "strips_i16_lzw.tif",
         "tiles_f32_deflate_be.tif",
@@ -136,12 +136,12 @@ fn truncated_and_lying_files_are_told() {
     let mut writer = encoder.write_header().unwrap();
     writer.write_chunk(::png::chunk::IDAT, &[0x78, 1]).unwrap();
     drop(writer);
-    let told = said(huge, "unit = \"metres\"");
+    let reported = said(huge, "unit = \"metres\"");
     assert!(
-        told.contains("1000000 x 900000 samples would take")
-            && told.contains("MB are allowed")
-            && told.contains("gdalwarp -r average"),
-        "{told}"
+        reported.contains("1000000 x 900000 samples would take")
+            && reported.contains("MB are allowed")
+            && reported.contains("gdalwarp -r average"),
+        "{reported}"
     );
     let strip = Plain::new().with(256, (4, 1_000_000u32.to_le_bytes().to_vec()));
     let strip = strip.with(257, shorts(&[1000])).with(278, shorts(&[1000]));
@@ -313,7 +313,7 @@ fn netcdf_of_other_kinds() {
 }
 
 #[test]
-fn files_that_are_not_there_are_told() {
+fn files_that_are_not_there_are_reported() {
     let open = |path: &Path| {
         open_heights(path, &GridLimits::default())
             .unwrap_err()

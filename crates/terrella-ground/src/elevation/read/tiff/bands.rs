@@ -33,10 +33,12 @@ impl Bands {
         wanted: Option<u16>,
         context: &FileContext,
     ) -> Result<Self, HeightFileError> {
-        let told = |error| tiff_error(context, error);
-        let colour = decoder.colortype().map_err(told)?;
+        let reported = |error| tiff_error(context, error);
+        let colour = decoder.colortype().map_err(reported)?;
         let mut first = |tag, usual| {
-            let found = decoder.find_tag_unsigned_vec::<u16>(tag).map_err(told)?;
+            let found = decoder
+                .find_tag_unsigned_vec::<u16>(tag)
+                .map_err(reported)?;
             Ok::<_, HeightFileError>(found.unwrap_or_else(|| vec![usual]))
         };
         let format = first(Tag::SampleFormat, UNSIGNED)?;
@@ -60,7 +62,7 @@ impl Bands {
             return Err(unsupported(context, cause));
         }
         let extra = decoder.find_tag_unsigned_vec::<u16>(Tag::ExtraSamples);
-        let extra = extra.map_err(told)?.unwrap_or_default();
+        let extra = extra.map_err(reported)?.unwrap_or_default();
         let colours = usize::from(count).saturating_sub(extra.len());
         let alphas = (colours..)
             .zip(&extra)

@@ -94,9 +94,9 @@ fn a_rectangle_s_largest_product_is_that_of_its_points() {
                 most = most.max((turn * lat.x).extend(lat.y).dot(v));
             }
         }
-        let told = rect.max_dot(v);
-        assert!(most <= told + 1e-12 * v.length(), "{most} {told}");
-        assert!(told - most < 0.01 * v.length(), "{most} {told}");
+        let reported = rect.max_dot(v);
+        assert!(most <= reported + 1e-12 * v.length(), "{most} {reported}");
+        assert!(reported - most < 0.01 * v.length(), "{most} {reported}");
     }
 }
 

@@ -164,13 +164,16 @@ fn the_lowest_height_that_shows_is_where_sight_grazes() {
             assert_eq!(horizon.lowest_visible_m(0.9 * limb), f64::NEG_INFINITY);
             assert_eq!(horizon.lowest_visible_m(limb + 1.6), f64::INFINITY);
             for beyond in [1e-4, 0.01, 0.1, 0.5] {
-                let told_m = horizon.lowest_visible_m(limb + beyond);
+                let reported_m = horizon.lowest_visible_m(limb + beyond);
                 let foot = up * (limb + beyond).cos() + aside * (limb + beyond).sin();
                 // In scaled space a height is between its fractions of the two radii.
                 let grazing = shell.lowest / beyond.cos() - 1.0;
                 let (a, b) = (figure.equatorial_radius_m, figure.polar_radius_m);
                 let least_m = (grazing * a).min(grazing * b);
-                assert!((told_m - least_m).abs() < 2e-3, "{told_m} {least_m}");
+                assert!(
+                    (reported_m - least_m).abs() < 2e-3,
+                    "{reported_m} {least_m}"
+                );
                 // A point a little below the grazing line of sight is hidden, and a point above it is not.
                 for (part, is_hidden) in [(1.0 - 1e-7, true), (1.0 + 1e-7, false)] {
                     let point = foot * (1.0 + grazing) * part * figure.itrf_from_scaled();
@@ -252,15 +255,15 @@ fn ground_shows_as_far_as_the_law_says() {
                     hidden = middle;
                 }
             }
-            let told = far_rad(length, lowest, highest);
+            let reported = far_rad(length, lowest, highest);
             assert!(
-                (told - seen).abs() < 1e-7,
-                "{length} {lowest} {highest}: {told}, found {seen}"
+                (reported - seen).abs() < 1e-7,
+                "{length} {lowest} {highest}: {reported}, found {seen}"
             );
             let at = |theta: f64| DVec3::new(theta.cos(), theta.sin(), 0.0);
             assert!(
-                is_within_angle(at(told - 1e-6), DVec3::X, told)
-                    && !is_within_angle(at(told + 1e-6), DVec3::X, told)
+                is_within_angle(at(reported - 1e-6), DVec3::X, reported)
+                    && !is_within_angle(at(reported + 1e-6), DVec3::X, reported)
             );
         }
     }

@@ -188,14 +188,14 @@ fn stretch_is_the_derivative() {
                 let along = at(nadir + h, 0.0).place.distance(at(nadir - h, 0.0).place) / (2.0 * h);
                 let across =
                     at(nadir, 1e-3).place.distance(at(nadir, -1e-3).place) / (2e-3 * nadir.sin());
-                let told = at(nadir, 0.0).stretch;
+                let reported = at(nadir, 0.0).stretch;
                 assert!(
-                    (told.0 / along - 1.0).abs() < 1e-4,
-                    "{height_m} {spread} {part}: {told:?} {along}"
+                    (reported.0 / along - 1.0).abs() < 1e-4,
+                    "{height_m} {spread} {part}: {reported:?} {along}"
                 );
                 assert!(
-                    (told.1 / across - 1.0).abs() < 1e-4,
-                    "{height_m} {spread} {part}: {told:?} {across}"
+                    (reported.1 / across - 1.0).abs() < 1e-4,
+                    "{height_m} {spread} {part}: {reported:?} {across}"
                 );
             }
         }

@@ -192,7 +192,7 @@ fn heights_do_not_swim() {
     for scene in &scenes {
         let unfiltered = swim(scene, &free, &Rough { filtered: false });
         println!("{}: not filtered: {unfiltered:.3?}", scene.name);
-        let mut told = Vec::new();
+        let mut reported = Vec::new();
         for anchor in [Anchor::Direction, Anchor::Screen] {
             for footprint in [SampleFootprint::Mean, SampleFootprint::Longer] {
                 let options = GridOptions {
@@ -202,11 +202,11 @@ fn heights_do_not_swim() {
                 };
                 let result = swim(scene, &options, &filtered);
                 println!("{}: {anchor:?}, {footprint:?}: {result:.3?}", scene.name);
-                told.push(result);
+                reported.push(result);
             }
         }
         // The default, compared with the same grid with unfiltered heights.
-        let chosen = told[0];
+        let chosen = reported[0];
         assert!(
             chosen.0 < 0.6 * unfiltered.0 && chosen.1 < 0.2,
             "{}",

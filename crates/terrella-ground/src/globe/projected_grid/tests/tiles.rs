@@ -140,11 +140,11 @@ fn heights_of_tiles_are_the_ground_s() {
             let sample = frame.sample(k % 129, k / 129);
             let normal = (sample.place / frame.caster.radii_m).normalize();
             let (lat, lon) = (normal.z.asin(), normal.y.atan2(normal.x));
-            let told = tiles.height_m(lat, lon, sample.spacing_rad);
+            let reported = tiles.height_m(lat, lon, sample.spacing_rad);
             let true_m = ground.0.height_m(lat, lon, sample.spacing_rad);
             let foot = sample.place * frame.caster.radii_m + normal * true_m - frame.eye_itrf_m;
             // In pixels of 1280 × 720, as if the height were seen from the side.
-            let px = (told - true_m).abs() / foot.length() / (40.0_f64.to_radians() / 720.0);
+            let px = (reported - true_m).abs() / foot.length() / (40.0_f64.to_radians() / 720.0);
             worst_px = worst_px.max(px);
             seen += 1;
         }

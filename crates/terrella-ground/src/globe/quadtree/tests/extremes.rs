@@ -121,7 +121,7 @@ fn a_steady_eye_changes_nothing_and_reads_nothing() {
 }
 
 #[test]
-fn changes_are_told_so_that_a_copy_can_follow() {
+fn changes_are_reported_so_that_a_copy_can_follow() {
     let ground = Posts::rough(512, 5e3, 6);
     let mut surface = Quadtree::new(QuadtreeOptions::default());
     let mut copies: std::collections::HashMap<u64, (u64, Vec<_>)> = Default::default();

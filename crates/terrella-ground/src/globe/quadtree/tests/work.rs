@@ -288,14 +288,14 @@ fn flights_of_the_study() {
             let note = format!("{}, settled: {is_settled}", leaf_set(&surface));
             first.print(&format!("{name}, {flight}, first view"), &note);
             let mut cost = Cost::default();
-            let mut told_px = 0.0_f64;
+            let mut reported_px = 0.0_f64;
             for frame in 0..(duration_s * 60.0) as u32 {
                 cost.prepare(&mut surface, &view(frame), &ground);
-                told_px = told_px.max(cost.error_px);
+                reported_px = reported_px.max(cost.error_px);
             }
             cost.print(
                 &format!("{name}, {flight}"),
-                &format!("error at most {told_px:.2} px"),
+                &format!("error at most {reported_px:.2} px"),
             );
         }
         // A jump, as in the study.
