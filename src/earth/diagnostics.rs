@@ -13,8 +13,8 @@ pub struct DiagnosticOptions {
     pub output: SurfaceOutput,
     /// Draws only the edges of triangles, for inspecting meshes. Needs a device with [`wgpu::Features::POLYGON_MODE_LINE`].
     pub wireframe: bool,
-    /// Samples the air's light in each pixel instead of interpolating it between vertices, to measure the difference. Float targets, which store
-    /// scene-referred light, always do so.
+    /// Samples the air's light in each pixel instead of interpolating it between vertices, and sunlight also in deep night, to measure the
+    /// difference. Float targets, which store scene-referred light, always do so.
     pub per_pixel_air: bool,
 }
 

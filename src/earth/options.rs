@@ -213,7 +213,8 @@ impl EarthOptions {
         }
     }
 
-    /// Whether the air's light may be interpolated between vertices where the difference is invisible: in displayed images with physical light.
+    /// Whether the air's light may be interpolated between vertices, and sunlight left out in deep night, where the difference is invisible: in
+    /// displayed images with physical light.
     pub(crate) fn interpolates_air(&self) -> bool {
         let diagnostics = self.diagnostics;
         self.shading == Shading::Sunlit

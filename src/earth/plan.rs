@@ -6,7 +6,7 @@ use super::glow::glow_in_sight;
 use super::ground::GroundDriver;
 use super::metering::ExposureControl;
 use super::quality::TILED_SUBDIVISION;
-use super::sky::LIGHTS_OUT;
+use super::sky::{DEEP_NIGHT, LIGHTS_OUT};
 use super::tile_view::TileView;
 use super::view::ItrfView;
 use super::{Appearance, EarthError, EarthOptions, FrameStats, Quality, Sky};
@@ -36,7 +36,7 @@ pub(super) struct Planner {
     visibility: Visibility,
     pub exposure: ExposureControl,
     has_air: bool,
-    /// Whether images may interpolate the air's light between vertices where that suffices.
+    /// Whether images may interpolate the air's light between vertices where that suffices, and leave out sunlight in deep night.
     interpolates: bool,
     tone: Tone,
     grade: Grade,
@@ -237,8 +237,12 @@ impl Planner {
         stats.blocks_drawn = plan.blocks.len() as u32;
         let grid = self.meshes.grid();
         for block in &plan.blocks {
-            if grid.sun_range(*block, sky.sun_itrf).0 > LIGHTS_OUT {
+            let (lowest, highest) = grid.sun_range(*block, sky.sun_itrf);
+            if lowest > LIGHTS_OUT {
                 plan.daylit.insert(block.index() as u8);
+            }
+            if self.interpolates && highest < DEEP_NIGHT {
+                plan.night.insert(block.index() as u8);
             }
         }
         if let (Some(lights), None) = (&self.city_lights, &self.ground) {
@@ -325,6 +329,10 @@ impl Planner {
             let is_daylit = |block: Block| plan.daylit.contains(block.index() as u8);
             if draw.block.is_some_and(is_daylit) {
                 draw.light = draw.light.max(DrawLight::Daylit);
+            }
+            let is_dark = |block: Block| plan.night.contains(block.index() as u8);
+            if draw.block.is_some_and(is_dark) {
+                draw.light = DrawLight::Night;
             }
         }
         let costs = plan.costs();

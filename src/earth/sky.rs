@@ -6,6 +6,9 @@ use terrella_frames::{ASTRONOMICAL_UNIT_M, Epoch, MoonShadow, Observer, Orientat
 
 /// Where the Sun's elevation has nowhere a lower sine on a block, none of its lamps is lit; with a margin for the ellipsoid.
 pub(super) const LIGHTS_OUT: f64 = LAMPS_OUT_SIN + ROOM_SIN;
+/// Where the Sun's elevation has nowhere a higher sine on a block, 23.6° below the horizon, the Sun gives it no light. The clouds before a place are
+/// at most 280 km from it, where the Sun is then 21° down: a billionth of daylight is left.
+pub(super) const DEEP_NIGHT: f64 = -0.4;
 /// Margin for the ellipsoid's flattening, in sines of the Sun's elevation.
 pub(super) const ROOM_SIN: f64 = 0.01;
 

@@ -9,6 +9,8 @@ pub(super) enum PassKind {
     Everything,
     /// Without the layers that are visible only at night.
     Daylit,
+    /// Without sunlight.
+    Night,
     /// Cells in daylight that interpolate the air's light between vertices.
     Interpolated,
     /// Interpolated cells that have only land.
@@ -28,10 +30,11 @@ pub(super) enum PassKind {
 }
 
 impl PassKind {
-    pub const COUNT: usize = 10;
+    pub const COUNT: usize = 11;
     pub const ALL: [Self; Self::COUNT] = [
         Self::Everything,
         Self::Daylit,
+        Self::Night,
         Self::Interpolated,
         Self::Land,
         Self::OpenSea,
@@ -48,6 +51,7 @@ impl PassKind {
             _ if has_moon_shadow => Self::Eclipsed,
             DrawLight::Everything => Self::Everything,
             DrawLight::Daylit => Self::Daylit,
+            DrawLight::Night => Self::Night,
             DrawLight::Interpolated => Self::Interpolated,
             DrawLight::Land => Self::Land,
             DrawLight::OpenSea => Self::OpenSea,
@@ -58,7 +62,7 @@ impl PassKind {
     pub fn instead(self) -> Option<Self> {
         match self {
             Self::Everything | Self::CityLights | Self::CloudsOverhead | Self::CloudsAtLimb => None,
-            Self::Daylit | Self::Eclipsed => Some(Self::Everything),
+            Self::Daylit | Self::Night | Self::Eclipsed => Some(Self::Everything),
             Self::Interpolated => Some(Self::Daylit),
             Self::Land | Self::OpenSea => Some(Self::Interpolated),
             Self::EclipsedCloudsAtLimb => Some(Self::CloudsAtLimb),

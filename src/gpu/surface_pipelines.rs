@@ -254,6 +254,7 @@ impl SurfaceMaker {
             let variants = PassKind::ALL.map(|kind| match kind {
                 PassKind::Everything => Some(all),
                 PassKind::Daylit => all.daylit(),
+                PassKind::Night => all.by_night(),
                 PassKind::Interpolated => interpolated,
                 PassKind::Land => of_one_kind.map(|(land, _)| land),
                 PassKind::OpenSea => of_one_kind.map(|(_, open_sea)| open_sea),
@@ -409,6 +410,7 @@ fn output(maps: &MapArrangement, config: &SurfaceConfig<'_>, air: Option<AirSide
             water: maps.has(MapLayer::Water),
             eclipse: false,
             interpolated: false,
+            night: false,
             open_sea: false,
             scales: DetailScales::Both,
             air,

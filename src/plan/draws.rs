@@ -29,7 +29,7 @@ pub(crate) struct SurfaceDraw {
     pub block: Option<Block>,
 }
 
-/// The light that a draw needs; the lesser of two values serves both draws.
+/// The light that a draw needs; the lesser of two values serves both draws, except of `Night`, which is for whole blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum DrawLight {
     /// All layers, by day and by night.
@@ -42,15 +42,18 @@ pub(crate) enum DrawLight {
     Land,
     /// As `Interpolated`, where there is only open sea.
     OpenSea,
+    /// Without sunlight.
+    Night,
 }
 
 impl DrawLight {
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Everything,
         Self::Daylit,
         Self::Interpolated,
         Self::Land,
         Self::OpenSea,
+        Self::Night,
     ];
 }
 

@@ -65,6 +65,8 @@ pub(crate) struct FramePlan {
     pub city_lights: Vec<CityDraw>,
     /// The blocks where the Sun is above the horizon everywhere: no lamp is lit there.
     pub daylit: BlockSet,
+    /// The blocks where the Sun is so low everywhere that it gives no light.
+    pub night: BlockSet,
     /// Whether the Moon's shadow may be in view.
     pub has_moon_shadow: bool,
     /// Whether the eye is below the clouds, or so little above that they are also visible from below.
@@ -100,6 +102,7 @@ impl FramePlan {
             draws: Vec::with_capacity(DrawLight::ALL.len() * BLOCK_COUNT as usize),
             city_lights: Vec::with_capacity(CITY_CELLS),
             daylit: BlockSet::default(),
+            night: BlockSet::default(),
             has_moon_shadow: false,
             is_below_clouds: false,
             has_clouds_at_limb: false,
@@ -116,6 +119,7 @@ impl FramePlan {
         self.draws.clear();
         self.city_lights.clear();
         self.daylit = BlockSet::default();
+        self.night = BlockSet::default();
         self.has_moon_shadow = false;
         self.is_below_clouds = false;
         self.has_clouds_at_limb = false;

@@ -217,6 +217,7 @@ const LAYERS: SunlitLayers = SunlitLayers {
     effects: EFFECTS,
     eclipse: true,
     interpolated: false,
+    night: false,
     open_sea: false,
     scales: DetailScales::Both,
     air: Some(AirSide::Outside),

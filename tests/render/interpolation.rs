@@ -3,7 +3,7 @@
 use crate::common::{Rig, down, gpu, map, tilted};
 use glam::DVec3;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::{EarthOptions, EyeView, GpuMap, Subdivision};
+use terrella::{EarthOptions, EyeView, GpuMap, Sky, Subdivision};
 use terrella_imagery::tile::MapLayer;
 use terrella_imagery::{EarthLayers, LayerImage};
 
@@ -83,6 +83,41 @@ fn no_pixel_differs_by_more_than_dithering_makes_of_half_a_code() {
     );
     let [one, other] = [&mut interpolated, &mut exact].map(|rig| rig.draw(&night, sun).0);
     assert!(one == other && DVec3::X.dot(sun) > 0.5);
+}
+
+/// Blocks in deep night are drawn by a shader without sunlight, under the Moon and without one.
+#[test]
+fn no_pixel_of_deep_night_needs_sunlight() {
+    let mut options = options();
+    // The same mesh: else the limb's pixels differ.
+    options.subdivision = Subdivision::Cells(48);
+    options.light.moonlight = true;
+    options.light.night_gain = 4e4;
+    let rigs = [false, true].map(|per_pixel_air| {
+        options.diagnostics.per_pixel_air = per_pixel_air;
+        Rig::new(&options, SIZE)
+    });
+    let [mut without, mut with] = rigs;
+    let night = Geodetic::from_degrees(10.0, 170.0, 8e5);
+    let moon = 3.8e8 * Ellipsoid::normal(0.3, 2.7);
+    for sky in [
+        Sky::new(DVec3::X),
+        Sky {
+            moon_itrf_m: Some(moon),
+            ..Sky::new(DVec3::X)
+        },
+    ] {
+        for view in [
+            down(night, 60.0, with.aspect()),
+            tilted(night, 30.0, -40.0, 50.0, with.aspect()),
+        ] {
+            let [one, other] = [&mut without, &mut with].map(|rig| rig.draw_of(&view, &sky).0);
+            let off = one.iter().zip(other.iter()).map(|(a, b)| a.abs_diff(*b));
+            assert!(off.max() <= Some(1));
+            let is_moonlit = one.pixels().any(|pixel| pixel.0[0] > 20);
+            assert!(is_moonlit || sky.moon_itrf_m.is_none());
+        }
+    }
 }
 
 /// Cells with only land or only open sea are drawn by shaders without the other: until a new map changes that.

@@ -59,9 +59,9 @@ fn air_before_smooth_ground(at: SurfacePoint, mu_s: f32) -> AirBefore {
     let mu = clamp(-dot(ray, at.up), 0.0, 1.0);
     let x = ground_coordinate(mu);
     let uv = at.center_uv + at.uv;
-    let sunlit = scattered(x, mu, ray, air.sun, mu_s, uv).rgb;
-    @if(moonlight) let light = sunlit + air.moon_light * scattered(x, mu, ray, air.moon, dot(at.up, air.moon), uv).rgb;
-    @else let light = sunlit;
+    @if(night) var light = vec3f(0.0);
+    @else var light = scattered(x, mu, ray, air.sun, mu_s, uv).rgb;
+    @if(moonlight) light += air.moon_light * scattered(x, mu, ray, air.moon, dot(at.up, air.moon), uv).rgb;
     return AirBefore(through_at(x), light);
 }
 

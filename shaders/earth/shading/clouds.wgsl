@@ -86,8 +86,23 @@ fn light_on_clouds(mu: f32) -> Light {
     return Light(light_of_disc(mu + surface_light.cloud_dip), vec3f(0.0));
 }
 
+// Without sunlight and moonlight.
+@if(air && night && !moonlight)
+fn clouds_seen(at: SurfacePoint, clouds: CloudsBefore, ground: AirBefore) -> vec3f {
+    return vec3f(0.0);
+}
+
+// Without sunlight, by the Moon alone.
+@if(air && night && moonlight)
+fn clouds_seen(at: SurfacePoint, clouds: CloudsBefore, ground: AirBefore) -> vec3f {
+    let about = neighbourhood(at.center_uv + at.uv);
+    let of_moon = air_of_clouds(at, clouds, frame.moon_itrf);
+    let color = of_moon.through * moonlit_clouds(at, clouds, of_moon, about);
+    return frame.moon_light * (color + clouds.albedo * added_above_clouds(of_moon, about));
+}
+
 // Through the air above them, plus its own light. `ground` is the air in front of the ground.
-@if(air)
+@if(air && !night)
 fn clouds_seen(at: SurfacePoint, clouds: CloudsBefore, ground: AirBefore) -> vec3f {
     let about = neighbourhood(at.center_uv + at.uv);
     @if(interpolated) let air_ = at.air.of_clouds;

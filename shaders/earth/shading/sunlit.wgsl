@@ -68,8 +68,11 @@ fn lit(at: SurfacePoint, surface: Surface, sun: vec3f) -> vec3f {
 fn shade(at: SurfacePoint) -> vec3f {
     let mu_s = dot(at.up, frame.sun_itrf);
     let surface = surface_at(at);
-    var color = lit(at, surface, frame.sun_itrf);
-    @if(moonlight) color += frame.moon_light * lit(at, surface, frame.moon_itrf);
+    @if(!night) var color = lit(at, surface, frame.sun_itrf);
+    @if(!night && moonlight) color += frame.moon_light * lit(at, surface, frame.moon_itrf);
+    // Without sunlight.
+    @if(night && moonlight) var color = frame.moon_light * lit(at, surface, frame.moon_itrf);
+    @if(night && !moonlight) var color = vec3f(0.0);
     @if(night_lights) color += city_light(at, mu_s);
     @if(air) let smooth_ = air_before_smooth_ground(at, mu_s);
     @if(air) color = through_air(color, at, smooth_);

@@ -146,13 +146,19 @@ fn every_cell_is_drawn_once_and_by_what_light_its_place_needs() {
             .iter()
             .any(|(_, light)| *light == DrawLight::Interpolated);
         assert_eq!(is_any, interpolates, "{:?}", view.eye_itrf_m);
+        let in_deep_night = view.eye_itrf_m.normalize().dot(SKY.sun_itrf) < -0.9;
+        let has_night = drawn.iter().any(|(_, light)| *light == DrawLight::Night);
+        assert_eq!(has_night, in_deep_night, "{:?}", view.eye_itrf_m);
         for (corners, light) in &drawn {
             for corner in corners {
                 let from_eye_m = whole.vertices[*corner as usize].as_dvec3();
                 let up = (view.eye_itrf_m + from_eye_m).normalize();
                 let by_day = up.dot(SKY.sun_itrf) > 0.0;
                 let is_limb = up.dot(-from_eye_m.normalize()) < 0.02;
-                assert!(by_day || *light == DrawLight::Everything);
+                let is_dark = up.dot(SKY.sun_itrf) < DEEP_NIGHT;
+                let by_night = [DrawLight::Everything, DrawLight::Night];
+                assert!(by_day || by_night.contains(light));
+                assert!(is_dark || *light != DrawLight::Night);
                 assert!(!is_limb || *light != DrawLight::Interpolated);
             }
         }

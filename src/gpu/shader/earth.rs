@@ -55,6 +55,8 @@ pub struct SunlitLayers {
     pub eclipse: bool,
     /// The air's light is sampled at vertices and interpolated, for an eye outside the air that looks at the block sphere.
     pub interpolated: bool,
+    /// Without sunlight, for ground in deep night and an eye outside the air.
+    pub night: bool,
     /// Everything is deep water; the map of water is present.
     pub open_sea: bool,
     /// The scales of synthetic detail that pixels can show, with [`LightEffect::Detail`].
@@ -120,13 +122,28 @@ impl EarthVariant {
         })
     }
 
+    /// The variant for ground in deep night, without sunlight; `None` for an eye in the air, without air, or for a target for measurements.
+    pub fn by_night(self) -> Option<Self> {
+        let night = self.with_sunlit(|layers| {
+            (layers.air == Some(AirSide::Outside)).then_some(SunlitLayers {
+                night: true,
+                ..layers
+            })
+        });
+        night.filter(|_| self.is_shown())
+    }
+
+    /// Whether the output is an image for display.
+    fn is_shown(&self) -> bool {
+        match self.output {
+            EarthOutput::Picture(_, target) => target != TargetColor::Radiance,
+            _ => false,
+        }
+    }
+
     /// The variant for cells in daylight that interpolates the light from and through the air between vertices; `None` if it has no such light, no
     /// such vertices, or a target for measurements.
     pub fn interpolated(self) -> Option<Self> {
-        let is_shown = match self.output {
-            EarthOutput::Picture(_, target) => target != TargetColor::Radiance,
-            _ => false,
-        };
         let has_vertices = matches!(self.form, VertexForm::BlockLattice { .. });
         let daylit = self.daylit().unwrap_or(self);
         let interpolated = daylit.with_sunlit(|layers| {
@@ -135,7 +152,7 @@ impl EarthVariant {
                 ..layers
             })
         });
-        interpolated.filter(|_| is_shown && has_vertices)
+        interpolated.filter(|_| self.is_shown() && has_vertices)
     }
 
     /// The variants for cells that have only land and only open sea; `None` without a map of water.
@@ -272,6 +289,7 @@ impl EarthOutput {
                 water: on(bits, 3),
                 eclipse: on(bits, 4),
                 interpolated: false,
+                night: false,
                 open_sea: false,
                 scales: DetailScales::Both,
                 effects: (5..)
@@ -415,12 +433,24 @@ impl ShaderVariant for EarthVariant {
         let has_maps = |layers: &SunlitLayers| layers.clouds && layers.normals && layers.water;
         let with_maps = |v: &Self| v.with_sunlit(|layers| Some(layers).filter(has_maps));
         let with_maps: Vec<_> = all.iter().filter_map(with_maps).collect();
+        // So it is for those without sunlight.
+        let with_night =
+            |v: &Self| v.with_sunlit(|layers| Some(layers).filter(|l| has_maps(l) && !l.eclipse));
+        let lit_by_points = below_points.iter().filter_map(with_night);
+        let by_night = with_maps
+            .iter()
+            .copied()
+            .filter(|v| with_night(v).is_some());
+        let by_night: Vec<_> = by_night
+            .chain(lit_by_points)
+            .filter_map(Self::by_night)
+            .collect();
         let few_scales = [DetailScales::Coarse, DetailScales::None].into_iter();
         let few_scales = few_scales
             .flat_map(|scales| with_maps.iter().filter_map(move |v| v.with_scales(scales)));
         let all = all.into_iter().chain(few_scales).chain(open_sea);
         let all = all.chain(below_points).chain(city_lights);
-        all.chain(beside).collect()
+        all.chain(beside).chain(by_night).collect()
     }
 
     fn needs(&self) -> Vec<ShaderCapability> {
@@ -505,6 +535,7 @@ impl ShaderVariant for EarthVariant {
             ("water", layers.water),
             ("eclipse", layers.eclipse),
             ("interpolated", layers.interpolated),
+            ("night", layers.night),
             ("open_sea", layers.open_sea),
             (
                 "coarse_scale",
