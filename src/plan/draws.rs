@@ -29,7 +29,7 @@ pub(crate) struct SurfaceDraw {
     pub block: Option<Block>,
 }
 
-/// The light that a draw needs; the lesser of two values serves both draws, except of `Night`, which is for whole blocks.
+/// The light that a draw needs; the lesser of two values serves both draws. Only whole blocks have `Night`, which is not compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum DrawLight {
     /// All layers, by day and by night.

@@ -21,7 +21,7 @@ const MOST_DISTRICTS: f64 = 40.0;
 /// Spacing of the districts of a place of 100 000 people, metres, and the exponent of its growth.
 const TOWN_M: f64 = 1_500.0;
 const TOWN_BY_POPULATION: f64 = 0.42;
-/// How many times brighter than the map's brightest texels the middle of a point is, at most and at least where its lamps cover built-up ground.
+/// Limits of the brightness of a point's middle, relative to the map's brightest texels.
 const BRIGHTEST_POINT: f64 = 2.0;
 const DIMMEST_POINT: f64 = 0.15;
 /// Standard deviation of a district's lamps relative to the spacing of districts and their number, and of synthetic points relative to the
