@@ -7,6 +7,8 @@ use terrella_imagery::DETAIL_TILE_SIDE;
 pub const FINE_DETAIL_TILES: f64 = 198.0;
 /// Mip level of the tile from which on nothing of it is left: 2^6.3 of its texels. A test measures it.
 pub const EMPTY_DETAIL_LEVEL: f64 = 6.3;
+/// A mip level is blended with the next one over this fraction of the distance between them: most pixels read one level only.
+pub const BLENDED_DETAIL_LEVELS: f64 = 0.25;
 
 /// The scales of the structures of clouds and land that pixels are small enough to show. GPUs skip the others by themselves; a software adapter
 /// computes both sides of each branch.
@@ -29,9 +31,12 @@ impl DetailScales {
     pub fn of_pixels(least_pixel: f64, largest_texel: f64) -> Self {
         // Half an edge of the cube is a quarter of π long.
         let fine_texel = 0.5 * PI / (FINE_DETAIL_TILES * f64::from(DETAIL_TILE_SIDE));
+        // Pixels of this level read the empty one.
+        let blend = BLENDED_DETAIL_LEVELS * (EMPTY_DETAIL_LEVEL.fract() - 0.5);
+        let empty = EMPTY_DETAIL_LEVEL.floor() + 0.5 + blend;
         match least_pixel {
             _ if least_pixel >= largest_texel => Self::None,
-            _ if least_pixel >= fine_texel * EMPTY_DETAIL_LEVEL.exp2() => Self::Coarse,
+            _ if least_pixel >= fine_texel * empty.exp2() => Self::Coarse,
             _ => Self::Both,
         }
     }
@@ -47,8 +52,8 @@ mod tests {
         let starter_maps = km(9.78);
         for (pixel_km, shown) in [
             (0.7, DetailScales::Both),
-            (3.8, DetailScales::Both),
-            (3.95, DetailScales::Coarse),
+            (4.25, DetailScales::Both),
+            (4.4, DetailScales::Coarse),
             (9.7, DetailScales::Coarse),
             (9.9, DetailScales::None),
             (f64::NAN, DetailScales::Both),

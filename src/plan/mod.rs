@@ -31,7 +31,7 @@ pub use air::AirSide;
 pub use aurora::AuroraUniforms;
 pub(crate) use cells::{CellLight, CellLights, interpolated_cells};
 pub use detail_scales::DetailScales;
-pub(crate) use detail_scales::{EMPTY_DETAIL_LEVEL, FINE_DETAIL_TILES};
+pub(crate) use detail_scales::{BLENDED_DETAIL_LEVELS, EMPTY_DETAIL_LEVEL, FINE_DETAIL_TILES};
 pub(crate) use draws::{
     DrawCosts, DrawLight, LISTED_INDICES, PER_BLOCK_TILES, SurfaceDraw, WHOLE_MAP, draw_blocks,
 };

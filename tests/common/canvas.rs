@@ -129,6 +129,16 @@ impl Rig {
         )
     }
 
+    /// The same with pipelines that are created when the options say.
+    pub fn with_pipelines(options: &EarthOptions, size: (u32, u32)) -> Self {
+        let gpu = gpu();
+        let earth = Earth::new(&gpu.device, &gpu.queue, options).expect("sound options");
+        Self {
+            earth,
+            ..Self::with_color(options, size)
+        }
+    }
+
     /// The same with a target of the options' own format.
     pub fn with_color(options: &EarthOptions, size: (u32, u32)) -> Self {
         let gpu = gpu();

@@ -157,14 +157,17 @@ fn another_map_of_lights_is_rejected_while_they_are_points() {
 /// Views one after the other, each over other cells.
 #[test]
 fn points_that_are_made_when_needed_are_drawn_as_those_made_at_once() {
-    let at_once = options(Atmosphere::None, None, true);
+    let at_once = EarthOptions {
+        color_format: gpu().float_format(),
+        ..options(Atmosphere::None, None, true)
+    };
     let when_needed = EarthOptions {
         pipelines: Pipelines::WhenNeeded,
         city_lights: options(Atmosphere::None, None, true).city_lights,
         ..at_once.clone()
     };
     let [mut at_once, mut when_needed] =
-        [at_once, when_needed].map(|options| Rig::of_light(&options, SIZE));
+        [at_once, when_needed].map(|options| Rig::with_pipelines(&options, SIZE));
     for lon_deg in [7.0, 12.0, -60.0, 7.0] {
         let view = down(Geodetic::from_degrees(4.0, lon_deg, 4e5), 60.0, 1.0);
         let [first, second] =

@@ -1,6 +1,6 @@
 //! Detail that is made up between the maps' texels.
 
-use crate::common::{Rig, down, plain};
+use crate::common::{Rig, down, gpu, plain};
 use glam::DVec3;
 use terrella::frames::Geodetic;
 use terrella::{
@@ -230,9 +230,10 @@ fn scales_that_no_pixel_shows_change_nothing() {
         let drawn = |pipelines| {
             let options = EarthOptions {
                 pipelines,
+                color_format: gpu().float_format(),
                 ..options(Only::Clouds, true)
             };
-            Rig::of_light(&options, SIZE).draw_light(&view, DVec3::X)
+            Rig::with_pipelines(&options, SIZE).draw_light(&view, DVec3::X)
         };
         let [all, shown] = [Pipelines::AtOnce, Pipelines::WhenNeeded].map(drawn);
         for (all, shown) in all.iter().zip(&shown) {

@@ -4,7 +4,7 @@
 // A tile covers the six sides of a cube around the Earth and repeats on each of them. Sides do not match along the cube's edges: there the
 // structures fade out.
 import earth/shading/uneven.wgsl;
-import rust::{DETAIL_MEAN, DETAIL_STEP, EMPTY_LEVEL, LAST_CODE, PI};
+import rust::{BLENDED_LEVELS, DETAIL_MEAN, DETAIL_STEP, EMPTY_LEVEL, LAST_CODE, PI};
 @if(coarse_scale) import rust::CLOUD_SLOPE_STEP;
 @if(fine_scale) import rust::FINE_TILES;
 
@@ -24,8 +24,6 @@ const MIDDLE_WAVE: f32 = 12.0;
 const LEAST_PIXEL: f32 = 0.4;
 // Distance from an edge of the cube over which structures fade out, texels.
 const EDGE_TEXELS: f32 = 10.0;
-// A mip level is blended with the next one over this fraction of the distance between them: most pixels read one level only.
-const BLENDED: f32 = 0.25;
 // The tile's variance at a mip level falls from 1 to 0 between levels 0 and EMPTY_LEVEL, that of smoothed values between these two. A test measures
 // it.
 const SOFT_LEVELS: vec2f = vec2f(-2.7, 4.0);
@@ -114,7 +112,7 @@ struct Scale {
 fn scale_at(tiles: f32, texel: f32, pixel: f32) -> Scale {
     let own_texel = 0.25 * PI / texels_per_side(tiles);
     let exact = max(log2(pixel / own_texel), 0.0);
-    let level = floor(exact) + saturate((fract(exact) - 0.5) / BLENDED + 0.5);
+    let level = floor(exact) + saturate((fract(exact) - 0.5) / BLENDED_LEVELS + 0.5);
     return Scale(tiles, level, 1.0 - smoothstep(1.5, 6.0, MIDDLE_WAVE * own_texel / texel));
 }
 

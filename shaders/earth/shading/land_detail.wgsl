@@ -8,6 +8,8 @@ import earth/shading/detail_tiles.wgsl;
 // the coarse ones.
 @if(fine_scale) const FINE_HEIGHT: f32 = 0.3;
 @if(fine_scale) const FINE_RELIEF: f32 = 0.06;
+// Eroded terrain is never empty, so the fine scale fades out over these mip levels.
+@if(fine_scale) const FADING_LEVELS: f32 = 2.0;
 
 // Structures of land: patches of different brightness, the height of terrain, and the change of the latter along the ground, per equatorial radius.
 struct LandDetail {
@@ -43,11 +45,14 @@ fn land_of_size(up: vec3f, tiles: f32, texel: f32, pixel: f32) -> LandDetail {
 
 @if(fine_scale)
 fn with_finer_land(coarse: LandDetail, up: vec3f, texel: f32, pixel: f32) -> LandDetail {
+    let level = scale_at(FINE_TILES, texel, pixel).level;
+    let shown = 1.0 - smoothstep(EMPTY_LEVEL - FADING_LEVELS, EMPTY_LEVEL, level);
+    if shown == 0.0 { return coarse; }
     let fine = land_of_size(FINE_TURN * up, FINE_TILES, texel, pixel);
     return LandDetail(
-        plus(coarse.patches, FINE_STRENGTH, fine.patches),
-        plus(coarse.height, FINE_HEIGHT, fine.height),
-        coarse.change + FINE_RELIEF * (fine.change * FINE_TURN),
+        plus(coarse.patches, FINE_STRENGTH * shown, fine.patches),
+        plus(coarse.height, FINE_HEIGHT * shown, fine.height),
+        coarse.change + FINE_RELIEF * shown * (fine.change * FINE_TURN),
     );
 }
 
