@@ -256,11 +256,13 @@ impl Pass {
         }
     }
 
+    /// `replaced`: the drawable that it replaces.
     fn drawable(
         &self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         options: &CelestialOptions,
+        replaced: Option<&CelestialDrawable>,
     ) -> Result<CelestialDrawable, ShaderError> {
         let stars = options.stars.as_ref();
         let parts = CelestialParts {
@@ -274,6 +276,9 @@ impl Pass {
         };
         let air = self.air.as_ref();
         let mut drawable = CelestialDrawable::new(device, queue, self.format, &parts, air)?;
+        if let Some(replaced) = replaced {
+            drawable.share_pipelines(replaced);
+        }
         if self.pipelines == Pipelines::AtOnce {
             drawable.make_all()?;
         }
@@ -295,7 +300,7 @@ impl Celestial {
         options.check()?;
         let pass = Pass::of(earth);
         Ok(Self {
-            drawable: pass.drawable(device, queue, options)?,
+            drawable: pass.drawable(device, queue, options, None)?,
             options: options.clone(),
             pass,
             points: Vec::new(),
@@ -326,6 +331,27 @@ impl Celestial {
         self.shows_stars = are_shown;
     }
 
+    /// Changes what is drawn from the next [`Self::prepare`] on, and adapts to the Earth's quality. Pipelines that are still needed are kept. Make the
+    /// skies of further views again from this one.
+    ///
+    /// # Errors
+    /// Those of [`Self::new`]. Nothing has then changed.
+    pub fn set_options(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        earth: &Earth,
+        options: &CelestialOptions,
+    ) -> Result<(), CelestialError> {
+        options.check()?;
+        let pass = Pass::of(earth);
+        self.drawable = pass.drawable(device, queue, options, Some(&self.drawable))?;
+        self.options = options.clone();
+        self.pass = pass;
+        self.is_shown = false;
+        Ok(())
+    }
+
     /// Adapts to another quality of the Earth. Afterwards, prepare again, and make the skies of further views again from this one.
     ///
     /// # Errors
@@ -336,13 +362,10 @@ impl Celestial {
         queue: &wgpu::Queue,
         earth: &Earth,
     ) -> Result<(), CelestialError> {
-        let pass = Pass::of(earth);
-        if pass != self.pass {
-            self.drawable = pass.drawable(device, queue, &self.options)?;
-            self.pass = pass;
-            self.is_shown = false;
+        match Pass::of(earth) == self.pass {
+            true => Ok(()),
+            false => self.set_options(device, queue, earth, &self.options.clone()),
         }
-        Ok(())
     }
 
     /// Computes what the eye sees and uploads it. Call once a frame, after [`Earth::prepare`] with the same view. It never waits. If the view has

@@ -242,6 +242,23 @@ impl CelestialDrawable {
         })
     }
 
+    /// Shares the pipelines of the drawable that this one replaces, where they are the same.
+    pub fn share_pipelines(&mut self, replaced: &Self) {
+        if replaced.format != self.format || replaced.layouts.len() != self.layouts.len() {
+            return;
+        }
+        for layer in &mut self.layers {
+            let mut others = replaced.layers.iter();
+            let same = others.find(|other| {
+                other.kind == layer.kind && other.map.is_some() == layer.map.is_some()
+            });
+            if let Some(same) = same {
+                layer.pipelines.clone_from(&same.pipelines);
+                layer.is_rejected = same.is_rejected;
+            }
+        }
+    }
+
     /// Creates all pipelines, so that no frame waits for one.
     pub fn make_all(&mut self) -> Result<(), ShaderError> {
         for place in 0..self.layers.len() {

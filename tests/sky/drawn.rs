@@ -8,8 +8,7 @@ use std::sync::Arc;
 use terrella::celestial::{Celestial, CelestialMoment, CelestialOptions, StarCatalogue};
 use terrella::frames::{Ellipsoid, Epoch, Geodetic, Observer, Orientation};
 use terrella::{
-    Aperture, Atmosphere, DiffractionPattern, Earth, EarthOptions, EyeView, Ghosts, LayerImage,
-    Pipelines,
+    Aperture, Atmosphere, DiffractionPattern, EarthOptions, EyeView, Ghosts, LayerImage, Pipelines,
 };
 
 const DATE: &str = "2018-01-20T21:00:00Z";
@@ -378,11 +377,7 @@ fn pipelines_that_are_made_when_needed_draw_the_same() {
                 color_format: gpu().float_format(),
                 ..options.clone()
             };
-            // The rig's own makes them when they are needed.
-            let mut rig = Rig::of_light(&options, size);
-            let earth = Earth::new(&gpu().device, &gpu().queue, &options);
-            rig.earth = earth.expect("sound options");
-            rig
+            Rig::with_pipelines(&options, size)
         });
         for forward in [observer.sun_m(), observer.moon_m(), eye] {
             let forward = forward.normalize();
@@ -397,4 +392,46 @@ fn pipelines_that_are_made_when_needed_draw_the_same() {
             assert!(any_is_lit || !is_up, "{height_m} {forward}");
         }
     }
+}
+
+/// Parts are added to a sky and taken away: it is drawn as one that is made with them.
+#[test]
+fn a_changed_sky_is_drawn_as_a_new_one() {
+    let (epoch, size) = (utc(DATE), (96, 64));
+    let without = CelestialOptions {
+        sun: true,
+        ..CelestialOptions::NOTHING
+    };
+    let with = CelestialOptions {
+        stars: Some(stars()),
+        star_gain: 1e4,
+        stars_fade_by_day: false,
+        moon: grey_moon(),
+        ..without.clone()
+    };
+    let eye = above(-20.0, -90.0, 4e7);
+    let observer = Observer::at_rest(epoch, &Orientation::default(), eye);
+    let mut rig = Rig::of_light(&bare_earth(), size);
+    let mut changed = celestial(&rig, &without);
+    for forward in [observer.sun_m(), observer.moon_m()] {
+        let view = EyeView::itrf(eye, forward.normalize(), DVec3::Z, 3_f64.to_radians(), 1.5);
+        let mut seen = Vec::new();
+        for options in [&with, &without, &with] {
+            drawn_with(&mut rig, &mut changed, &view, epoch, size);
+            let gpu = gpu();
+            let set = changed.set_options(&gpu.device, &gpu.queue, &rig.earth, options);
+            set.expect("sound options");
+            let image = drawn_with(&mut rig, &mut changed, &view, epoch, size);
+            assert!(image == drawn(&mut rig, options, &view, epoch, size));
+            seen.push(image);
+        }
+        assert!(seen[0] != seen[1] && seen[0] == seen[2]);
+    }
+    let too_bright = CelestialOptions {
+        star_gain: f64::NAN,
+        ..with
+    };
+    let gpu = gpu();
+    let set = changed.set_options(&gpu.device, &gpu.queue, &rig.earth, &too_bright);
+    assert!(set.is_err() && changed.options().star_gain == 1e4);
 }
