@@ -65,7 +65,7 @@ mod truth;
 mod view;
 
 use crate::gpu::{
-    AirDrawable, AirTextures, ErrorScope, PassFormat, SurfaceConfig, SurfaceDrawable,
+    AirDrawable, AirTextures, ErrorScope, PassFormat, ShaderError, SurfaceConfig, SurfaceDrawable,
 };
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
 pub use crate::plan::{AIRGLOW_LUMINANCE, CITY_RADIANCE};
@@ -148,6 +148,32 @@ impl Earth {
         match &self.error {
             None => Ok(()),
             Some(error) => Err(EarthError::Rejected(error.to_string())),
+        }
+    }
+
+    /// Whether there is a pipeline that would draw the image of the last [`Self::prepare`] faster, with [`Pipelines::Gradually`].
+    pub fn has_next_pipeline(&self) -> bool {
+        let view = &self.first;
+        self.style.pipelines == Pipelines::Gradually
+            && view.drawn.is_some()
+            && self.surface.has_next(&view.plan)
+    }
+
+    /// Creates one of these pipelines. Call it when there is time for it. [`Self::check_pipelines`] returns an error; then a slower pipeline stays.
+    pub fn make_next_pipeline(&mut self) {
+        if !self.has_next_pipeline() {
+            return;
+        }
+        let view = &mut self.first;
+        let air = view.air.as_ref().map(AirDrawable::textures);
+        let (style, format, ground) = (self.style, self.format, view.planner.ground());
+        let config = surface_config(&self.device, style, format, &self.quality, air, ground);
+        let scope = ErrorScope::open(&self.device, wgpu::ErrorFilter::Validation);
+        let (surface, plan) = (&mut view.surface, &view.plan);
+        let made = self.surface.make_next(&self.device, &config, surface, plan);
+        if let Err(error) = unless_rejected(made, scope) {
+            tracing::warn!("the Earth is drawn more slowly than it could be: {error}");
+            self.error = Some(error);
         }
     }
 
@@ -293,9 +319,7 @@ impl Earth {
                 let ready =
                     surface.make_ready(&self.device, &config, &mut view.surface, &view.plan);
                 let ready = ready.and_then(|()| view.make_air_ready(&self.device));
-                let rejected = scope.error();
-                let rejected = rejected.map(|error| EarthError::Rejected(error.to_string()));
-                if let Some(error) = ready.err().map(EarthError::from).or(rejected) {
+                if let Err(error) = unless_rejected(ready, scope) {
                     tracing::warn!("a part of the Earth is not drawn: {error}");
                     self.error = Some(error);
                 }
@@ -494,6 +518,16 @@ fn views<'a>(
 ) -> impl Iterator<Item = &'a mut EarthView> {
     let others = others.iter_mut().map(|other| &mut *other.view);
     std::iter::once(first).chain(others)
+}
+
+/// The result of creating pipelines, or the device's error since the scope began.
+fn unless_rejected<T>(made: Result<T, ShaderError>, scope: ErrorScope) -> Result<T, EarthError> {
+    let rejected = scope.error();
+    let made = made?;
+    match rejected {
+        Some(error) => Err(EarthError::Rejected(error.to_string())),
+        None => Ok(made),
+    }
 }
 
 fn render_halo(view: &EarthView, pass: &mut wgpu::RenderPass<'_>) {

@@ -204,7 +204,9 @@ impl ChangeMaker {
         match self.style.pipelines {
             Pipelines::AtOnce => pipelines.make_all(maker, &self.device, config)?,
             // An error of the device appears here and not in the middle of a frame.
-            Pipelines::WhenNeeded => pipelines.make_one(maker, &self.device, config)?,
+            Pipelines::WhenNeeded | Pipelines::Gradually => {
+                pipelines.make_one(maker, &self.device, config)?;
+            }
         }
         Ok(pipelines)
     }

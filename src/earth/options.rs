@@ -88,6 +88,9 @@ pub enum Pipelines {
     /// When a frame first needs them, in [`Earth::prepare`](super::Earth::prepare), for programs that render few images.
     /// [`Earth::check_pipelines`](super::Earth::check_pipelines) returns their errors.
     WhenNeeded,
+    /// As [`Pipelines::WhenNeeded`], but a frame does not wait for those that only make it faster: it is drawn without them until
+    /// [`Earth::make_next_pipeline`](super::Earth::make_next_pipeline) creates them. For devices that compile in the thread that draws, like WebGL2.
+    Gradually,
 }
 
 impl EarthOptions {

@@ -45,6 +45,7 @@ pub(super) fn surface_config<'a>(
         #[cfg(feature = "terrain")]
         crosses_blocks: ground.is_some_and(Surface::crosses_blocks),
         interpolates_air: style.interpolates_air,
+        is_gradual: style.pipelines == Pipelines::Gradually,
         // A GPU skips them by itself, and pipelines made in advance would be three times as many.
         leaves_out_scales: software
             && style.pipelines == Pipelines::WhenNeeded

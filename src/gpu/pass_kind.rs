@@ -58,6 +58,19 @@ impl PassKind {
         }
     }
 
+    /// Whether its pixels are those of the kind that replaces it, which takes longer.
+    pub fn only_saves_time(self) -> bool {
+        match self {
+            Self::Daylit | Self::Night | Self::Interpolated | Self::Land | Self::OpenSea => true,
+            Self::Everything
+            | Self::Eclipsed
+            | Self::CityLights
+            | Self::CloudsOverhead
+            | Self::CloudsAtLimb
+            | Self::EclipsedCloudsAtLimb => false,
+        }
+    }
+
     /// The kind that replaces this one if it is not available.
     pub fn instead(self) -> Option<Self> {
         match self {

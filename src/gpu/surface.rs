@@ -281,15 +281,57 @@ impl SurfaceDrawable {
         self.pipelines
             .make_passes(&maker, device, config, missing)?;
         for kind in wanted {
-            if let Some(pass) = self.pipelines.pass(at, kind)
-                && view.group(at, kind).is_none()
-            {
-                let bindings = self.bindings(view, config, &pass.variant);
-                let group = super::bind_to(device, "terrella earth", &pass.layout, bindings);
-                view.set_group(at, kind, group);
-            }
+            self.bind_pass(device, config, view, (at, kind));
         }
         Ok(())
+    }
+
+    /// Whether there is a pipeline that makes a plan faster and is not created.
+    pub fn has_next(&self, plan: &FramePlan) -> bool {
+        self.next_kind(plan).is_some()
+    }
+
+    fn next_kind(&self, plan: &FramePlan) -> Option<PassKind> {
+        let at = self.situation(plan);
+        let mut lights = plan.draws.iter().map(|draw| draw.light);
+        lights.find_map(|light| {
+            let best = self.pipelines.best_kind_of(at, light, plan.has_moon_shadow);
+            self.pipelines.pass(at, best).is_none().then_some(best)
+        })
+    }
+
+    /// Creates and binds it, if there is one.
+    pub fn make_next(
+        &mut self,
+        device: &wgpu::Device,
+        config: &SurfaceConfig<'_>,
+        view: &mut SurfaceView,
+        plan: &FramePlan,
+    ) -> Result<(), ShaderError> {
+        if let Some(kind) = self.next_kind(plan) {
+            let (at, maker) = (self.situation(plan), self.maker(view));
+            self.pipelines
+                .make_pass(&maker, device, config, (at, kind))?;
+            self.bind_pass(device, config, view, (at, kind));
+        }
+        Ok(())
+    }
+
+    /// Binds a pass that was created.
+    fn bind_pass(
+        &self,
+        device: &wgpu::Device,
+        config: &SurfaceConfig<'_>,
+        view: &mut SurfaceView,
+        (at, kind): (Situation, PassKind),
+    ) {
+        if let Some(pass) = self.pipelines.pass(at, kind)
+            && view.group(at, kind).is_none()
+        {
+            let bindings = self.bindings(view, config, &pass.variant);
+            let group = super::bind_to(device, "terrella earth", &pass.layout, bindings);
+            view.set_group(at, kind, group);
+        }
     }
 
     /// Names of the features of the surface's shaders.

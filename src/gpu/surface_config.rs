@@ -24,6 +24,8 @@ pub(crate) struct SurfaceConfig<'a> {
     pub crosses_blocks: bool,
     /// Whether the air's light is interpolated between vertices where that suffices.
     pub interpolates_air: bool,
+    /// Whether frames are drawn without the pipelines that only make them faster, until these are created.
+    pub is_gradual: bool,
     /// Whether frames are drawn without the scales of synthetic detail that they cannot show, with pipelines of their own.
     pub leaves_out_scales: bool,
     /// Whether city lights are points instead of a map where the block sphere is drawn with whole maps.

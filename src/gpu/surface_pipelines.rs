@@ -40,6 +40,8 @@ pub(crate) struct SurfacePipelines {
     sides: Vec<[SurfacePasses; DetailScales::ALL.len()]>,
     /// Whether frames leave out scales of detail.
     leaves_out_scales: bool,
+    /// Whether kinds that only save time are replaced until they are created.
+    is_gradual: bool,
 }
 
 /// How the surface is drawn in one situation, by [`PassKind`].
@@ -86,13 +88,21 @@ impl SurfacePipelines {
         light: DrawLight,
         has_moon_shadow: bool,
     ) -> PassKind {
-        let mut kind = PassKind::of(light, has_moon_shadow);
-        while !self.has(at, kind)
-            && let Some(instead) = kind.instead()
-        {
-            kind = instead;
-        }
-        kind
+        let is_awaited = |kind: PassKind| {
+            let is_created = !self.is_gradual || self.pass(at, kind).is_some();
+            self.has(at, kind) && (is_created || !kind.only_saves_time())
+        };
+        first_kind(light, has_moon_shadow, is_awaited)
+    }
+
+    /// The same when all kinds are created.
+    pub(super) fn best_kind_of(
+        &self,
+        at: Situation,
+        light: DrawLight,
+        has_moon_shadow: bool,
+    ) -> PassKind {
+        first_kind(light, has_moon_shadow, |kind| self.has(at, kind))
     }
 
     /// Whether there is such a pass, created or not.
@@ -217,6 +227,21 @@ impl SurfacePipelines {
     }
 }
 
+/// The first kind of draw for this light that is usable.
+fn first_kind(
+    light: DrawLight,
+    has_moon_shadow: bool,
+    is_usable: impl Fn(PassKind) -> bool,
+) -> PassKind {
+    let mut kind = PassKind::of(light, has_moon_shadow);
+    while !is_usable(kind)
+        && let Some(instead) = kind.instead()
+    {
+        kind = instead;
+    }
+    kind
+}
+
 impl SurfaceMaker {
     /// The same maker for the mesh of another view.
     pub fn for_view(&self, view: &SurfaceView) -> Self {
@@ -280,6 +305,7 @@ impl SurfaceMaker {
         SurfacePipelines {
             sides: sides.collect(),
             leaves_out_scales: config.leaves_out_scales,
+            is_gradual: config.is_gradual,
             maps,
         }
     }

@@ -3,7 +3,7 @@
 use crate::common::{Rig, down, gpu, map, tilted};
 use glam::DVec3;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::{EarthOptions, EyeView, GpuMap, Sky, Subdivision};
+use terrella::{EarthOptions, EyeView, GpuMap, Pipelines, Sky, Subdivision};
 use terrella_imagery::tile::MapLayer;
 use terrella_imagery::{EarthLayers, LayerImage};
 
@@ -118,6 +118,43 @@ fn no_pixel_of_deep_night_needs_sunlight() {
             assert!(is_moonlit || sky.moon_itrf_m.is_none());
         }
     }
+}
+
+/// The first image has none of the pipelines that only save time. Each that is created later changes it by a code at most.
+#[test]
+fn pipelines_that_save_time_come_gradually() {
+    let with = |pipelines| {
+        let options = EarthOptions {
+            pipelines,
+            subdivision: Subdivision::Cells(48),
+            ..options()
+        };
+        Rig::with_pipelines(&options, SIZE)
+    };
+    let mut at_once = with(Pipelines::AtOnce);
+    let mut gradual = with(Pipelines::Gradually);
+    let sun = Ellipsoid::normal(0.3, 0.1);
+    let view = down(
+        Geodetic::from_degrees(10.0, 60.0, 2e7),
+        35.0,
+        gradual.aspect(),
+    );
+    let right = at_once.draw(&view, sun).0;
+    assert!(!at_once.earth.has_next_pipeline());
+    let mut images = vec![gradual.draw(&view, sun).0];
+    while gradual.earth.has_next_pipeline() {
+        assert!(images.len() < 10, "the same pipeline is created again");
+        gradual.earth.make_next_pipeline();
+        images.push(gradual.draw(&view, sun).0);
+    }
+    gradual.earth.make_next_pipeline();
+    gradual.earth.check_pipelines().expect("sound shaders");
+    assert!(images.len() > 2, "{} images", images.len());
+    for image in &images {
+        let off = image.iter().zip(right.iter()).map(|(a, b)| a.abs_diff(*b));
+        assert!(off.max() <= Some(1));
+    }
+    assert!(images[0] != right && images.last() == Some(&right));
 }
 
 /// Cells with only land or only open sea are drawn by shaders without the other: until a new map changes that.
