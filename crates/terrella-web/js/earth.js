@@ -77,6 +77,7 @@ export class TerrellaEarth extends EventTarget {
   #drawnLive = NaN;
   #isVisible = true;
   #isLost = false;
+  #isSpeedingUp = false;
   #names = [];
   #stations = [];
   #lines = [];
@@ -154,7 +155,7 @@ export class TerrellaEarth extends EventTarget {
     try {
       const part = (part) => progress(FIRST_PICTURE + (1 - FIRST_PICTURE) * part, "refining");
       const files = await loadMaps(sources, signal, (loaded) => part(PART_LOADED * loaded));
-      await this.#decoder?.decode(files, season, (...band) => this.#globe?.band(...band));
+      await this.#decoder?.decode(files, season, (...band) => this.#globe?.band(...band), () => this.#idle());
       if (!this.#globe) return;
       this.#globe.setMaps();
       progress(1, "complete");
@@ -169,6 +170,24 @@ export class TerrellaEarth extends EventTarget {
       this.#decoder?.end();
       this.#decoder = null;
     }
+  }
+
+  /** Settles when the device has drawn what it has been given. */
+  async #idle() {
+    while (this.#globe && !this.#globe.isIdle()) await new Promise((resolve) => setTimeout(resolve));
+  }
+
+  /** Creates the pipelines that make further frames faster, one at a time, while the page has nothing to do. */
+  async #speedUp() {
+    if (this.#isSpeedingUp) return;
+    this.#isSpeedingUp = true;
+    while (!this.#isLost && this.#globe?.hasNextPipeline()) {
+      await this.#idle();
+      // Safari has no such callback.
+      await new Promise((resolve) => (window.requestIdleCallback ?? setTimeout)(resolve));
+      this.#globe?.makeNextPipeline();
+    }
+    this.#isSpeedingUp = false;
   }
 
   #contextLost = (event) => {
@@ -561,6 +580,7 @@ export class TerrellaEarth extends EventTarget {
     }
     this.#pack.follow();
     this.dispatchEvent(new CustomEvent("frame", { detail: { epoch: new Date(ms) } }));
+    this.#speedUp();
     // Pushed states reach only so far.
     const moves = this.#isLive ? ms !== this.#drawnLive : this.#rate !== 0;
     this.#drawnLive = this.#isLive ? ms : NaN;

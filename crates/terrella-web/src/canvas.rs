@@ -1,5 +1,6 @@
 //! The canvas for wgpu: device, surface, and intermediate render target.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use terrella::{Bloom, EarthOptions, ScaledTarget, ShaderError, Tone, wgpu};
 
@@ -65,6 +66,17 @@ impl Faults {
     pub fn take(&self) -> Vec<String> {
         let mut noted = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         std::mem::take(&mut noted)
+    }
+}
+
+/// Work that was submitted to the device.
+pub struct Submitted(Arc<AtomicBool>);
+
+impl Submitted {
+    /// Whether the device has done it. WebGL2 knows only after the page's current task has ended.
+    pub fn is_done(&self, device: &wgpu::Device) -> bool {
+        // A failure is a lost device, which does nothing more.
+        device.poll(wgpu::PollType::Poll).is_err() || self.0.load(Ordering::Relaxed)
     }
 }
 
@@ -158,6 +170,15 @@ impl Canvas {
             scale: 1.0,
             is_developing,
         })
+    }
+
+    /// All work submitted so far.
+    pub fn submitted(&self) -> Submitted {
+        let done = Arc::new(AtomicBool::new(false));
+        let noted = done.clone();
+        self.queue
+            .on_submitted_work_done(move || noted.store(true, Ordering::Relaxed));
+        Submitted(done)
     }
 
     /// Has an Earth drawn for the passes of [`Self::draw`].

@@ -3,7 +3,7 @@
 mod marks;
 mod pack;
 
-use crate::canvas::{Canvas, LOST};
+use crate::canvas::{Canvas, LOST, Submitted};
 use crate::compact::restore;
 use crate::eye::{Eye, View};
 use crate::maps::Incoming;
@@ -101,7 +101,7 @@ impl Opening {
         canvas.fit(&mut options);
         options.anisotropy = self.anisotropy;
         options.exposure = Exposure::Auto;
-        options.pipelines = Pipelines::WhenNeeded;
+        options.pipelines = Pipelines::Gradually;
         let (device, queue) = (&canvas.device, &canvas.queue);
         let earth = Earth::create(device, queue, &options)
             .await
@@ -132,6 +132,7 @@ impl Opening {
             milky_way: maps.milky_way,
             celestial,
             incoming: None,
+            awaited: None,
             eye: eye.ok_or_else(|| thrown("the first view is not finite"))?,
             followed: 0,
             overlay: Overlay::default(),
@@ -155,6 +156,8 @@ pub struct Globe {
     celestial: Celestial,
     /// Finer maps that are coming.
     incoming: Option<Incoming>,
+    /// Work that the page waits for.
+    awaited: Option<Submitted>,
     eye: Eye,
     /// Index of the satellite that the eye rides on.
     followed: usize,
@@ -187,6 +190,29 @@ impl Globe {
         incoming.band(device, map, rows, texels).map_err(thrown)
     }
 
+    /// Whether the device has done what was submitted before this was first asked since it last was true. An upload to a busy device stops the page.
+    #[wasm_bindgen(js_name = isIdle)]
+    pub fn is_idle(&mut self) -> bool {
+        let awaited = self.awaited.get_or_insert_with(|| self.canvas.submitted());
+        let is_done = awaited.is_done(&self.canvas.device);
+        if is_done {
+            self.awaited = None;
+        }
+        is_done
+    }
+
+    /// Whether there is a pipeline that makes the last image faster.
+    #[wasm_bindgen(js_name = hasNextPipeline)]
+    pub fn has_next_pipeline(&self) -> bool {
+        self.earth.has_next_pipeline()
+    }
+
+    /// Creates one of them.
+    #[wasm_bindgen(js_name = makeNextPipeline)]
+    pub fn make_next_pipeline(&mut self) {
+        self.earth.make_next_pipeline();
+    }
+
     /// Draws with the finer maps that came, from the next frame on.
     ///
     /// # Errors
@@ -211,9 +237,10 @@ impl Globe {
         let is_full = self.earth.appearance().light.moonlight;
         self.in_sky.milky_way = self.milky_way.clone().filter(|_| is_full);
         let (device, queue) = (&self.canvas.device, &self.canvas.queue);
-        self.celestial =
-            Celestial::new(device, queue, &self.earth, &self.in_sky).map_err(thrown)?;
-        Ok(())
+        let (earth, celestial) = (&self.earth, &mut self.celestial);
+        celestial
+            .set_options(device, queue, earth, &self.in_sky)
+            .map_err(thrown)
     }
 
     /// The backend and the adapter as text.
@@ -329,6 +356,7 @@ impl Globe {
             .set_quality(&self.canvas.queue, &quality)
             .map_err(thrown)?;
         self.has_sky = sky;
+        self.fill_sky()?;
         self.overlay.follow(&self.earth).map_err(thrown)
     }
 
