@@ -48,7 +48,7 @@ pub(super) fn surface_config<'a>(
         is_gradual: style.pipelines == Pipelines::Gradually,
         // A GPU skips them by itself, and pipelines made in advance would be three times as many.
         leaves_out_scales: software
-            && style.pipelines == Pipelines::WhenNeeded
+            && style.pipelines != Pipelines::AtOnce
             && style.light.detail
             && style.shading == Shading::Sunlit
             && style.diagnostics.output == SurfaceOutput::Color,

@@ -133,8 +133,11 @@ fn air_of_clouds(at: SurfacePoint, clouds: CloudsBefore, sun: vec3f) -> AirOfClo
     return air_above_clouds(clouds.lift.up, -normalize(at.to_eye), sun);
 }
 
-// Maximum slope of a cloud's top: a map's noise must not look like towers.
+// Slopes of clouds' tops tend to a maximum: a map's noise must not look like towers. A low Sun reaches only the crests, which are flatter. So the
+// maximum has a value at sunset, and grows by so much for the sine of the Sun's elevation.
 const STEEPEST: f32 = 0.7;
+const STEEPEST_AT_SUNSET: f32 = 0.06;
+const STEEPER_BY_DAY: f32 = 2.5;
 // Most light of a low Sun on a facet, relative to level ground.
 const MOST_FACING: f32 = 4.0;
 // Distance towards the Sun of the second sample of a cloud's top, equatorial radii: 1 km with detail.
@@ -152,18 +155,22 @@ fn sun_on_top(at: SurfacePoint, clouds: CloudsBefore, sun: vec3f) -> f32 {
     @if(detail) let step = max(CLOUD_STEP, 2.3 * pixel_radii(at));
     @else let step = max(cloud_texel_radii(at), 1.5 * pixel_radii(at));
     let along = ahead * step;
-    let mapped = mapped_cover(at, moved(at, clouds.lift, along));
+    // A texel ahead: over a shorter distance, the slope of a bilinear map is a pattern of squares.
+    @if(detail) let reach = max(step, cloud_texel_radii(at));
+    @if(detail) let mapped = mix(clouds.mapped, mapped_cover(at, moved(at, clouds.lift, ahead * reach)), step / reach);
+    @else let mapped = mapped_cover(at, moved(at, clouds.lift, along));
     @if(!detail) let rise = surface_light.cloud_relief * (mapped - clouds.cover);
     @if(detail) let soft = clouds.uneven.soft;
     @if(detail) let there = Detail(soft.value + dot(clouds.uneven.change, along), soft.variance);
     @if(detail) let rise = top_with_detail(mapped, there) - top_with_detail(clouds.mapped, soft);
-    let slope = clamp(rise / step, -STEEPEST, STEEPEST);
+    let steepest = min(STEEPEST, STEEPEST_AT_SUNSET + STEEPER_BY_DAY * max(upward, 0.0));
+    let slope = rise / (step + abs(rise) / steepest);
     let cosine = (upward - slope * flat_) * inverseSqrt(1.0 + slope * slope);
     return max(shaded_by_clouds(cosine, upward), CLOUD_SIDES);
 }
 
-// Light of a Sun at the cosine `level` to level ground, on a facet at a cosine to it, past the facets before it. Of equal facets facing the Sun and away from
-// it, the former get twice the light of level ground (Torrance and Sparrow 1967, J. Opt. Soc. Am. 57, 1105); clouds that stand alone get more.
+// Light of a Sun at the cosine `level` to level ground, on a facet at a cosine to it, past the facets before it. Of equal facets that face the Sun and
+// that face away, the former get twice the light of level ground (Torrance and Sparrow 1967, J. Opt. Soc. Am. 57, 1105). Single clouds get more.
 fn shaded_by_clouds(cosine: f32, level: f32) -> f32 {
     let most = MOST_FACING * max(level, 0.02) * (1.0 + 2.0 * level);
     return cosine * (1.0 + level / most) / (1.0 + max(cosine, 0.0) / most);
