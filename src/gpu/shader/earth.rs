@@ -122,10 +122,12 @@ impl EarthVariant {
         })
     }
 
-    /// The variant for ground in deep night, without sunlight; `None` for an eye in the air, without air, or for a target for measurements.
+    /// The variant for ground in deep night, without sunlight; `None` for an eye in the air, without air, with the Moon's shadow, or for a target for
+    /// measurements.
     pub fn by_night(self) -> Option<Self> {
         let night = self.with_sunlit(|layers| {
-            (layers.air == Some(AirSide::Outside)).then_some(SunlitLayers {
+            let has_night = layers.air == Some(AirSide::Outside) && !layers.eclipse;
+            has_night.then_some(SunlitLayers {
                 night: true,
                 ..layers
             })
@@ -432,19 +434,11 @@ impl ShaderVariant for EarthVariant {
         // Scales of detail interact with maps: the variants with these are enough.
         let has_maps = |layers: &SunlitLayers| layers.clouds && layers.normals && layers.water;
         let with_maps = |v: &Self| v.with_sunlit(|layers| Some(layers).filter(has_maps));
+        let lit_by_points: Vec<_> = below_points.iter().filter_map(with_maps).collect();
         let with_maps: Vec<_> = all.iter().filter_map(with_maps).collect();
         // So it is for those without sunlight.
-        let with_night =
-            |v: &Self| v.with_sunlit(|layers| Some(layers).filter(|l| has_maps(l) && !l.eclipse));
-        let lit_by_points = below_points.iter().filter_map(with_night);
-        let by_night = with_maps
-            .iter()
-            .copied()
-            .filter(|v| with_night(v).is_some());
-        let by_night: Vec<_> = by_night
-            .chain(lit_by_points)
-            .filter_map(Self::by_night)
-            .collect();
+        let by_night = with_maps.iter().chain(&lit_by_points);
+        let by_night: Vec<_> = by_night.filter_map(|v| v.by_night()).collect();
         let few_scales = [DetailScales::Coarse, DetailScales::None].into_iter();
         let few_scales = few_scales
             .flat_map(|scales| with_maps.iter().filter_map(move |v| v.with_scales(scales)));
