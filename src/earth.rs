@@ -65,7 +65,7 @@ mod truth;
 mod view;
 
 use crate::gpu::{
-    AirDrawable, AirTextures, ErrorScope, PassFormat, ShaderError, SurfaceConfig, SurfaceDrawable,
+    AirDrawable, AirTextures, ErrorScope, PassFormat, SurfaceConfig, SurfaceDrawable,
 };
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
 pub use crate::plan::{AIRGLOW_LUMINANCE, CITY_RADIANCE};
@@ -168,10 +168,13 @@ impl Earth {
         let air = view.air.as_ref().map(AirDrawable::textures);
         let (style, format, ground) = (self.style, self.format, view.planner.ground());
         let config = surface_config(&self.device, style, format, &self.quality, air, ground);
-        let scope = ErrorScope::open(&self.device, wgpu::ErrorFilter::Validation);
         let (surface, plan) = (&mut view.surface, &view.plan);
         let made = self.surface.make_next(&self.device, &config, surface, plan);
-        if let Err(error) = unless_rejected(made, scope) {
+        let error = match made {
+            Ok(rejected) => rejected.map(|error| EarthError::Rejected(error.to_string())),
+            Err(error) => Some(error.into()),
+        };
+        if let Some(error) = error {
             tracing::warn!("the Earth is drawn more slowly than it could be: {error}");
             self.error = Some(error);
         }
@@ -319,7 +322,9 @@ impl Earth {
                 let ready =
                     surface.make_ready(&self.device, &config, &mut view.surface, &view.plan);
                 let ready = ready.and_then(|()| view.make_air_ready(&self.device));
-                if let Err(error) = unless_rejected(ready, scope) {
+                let rejected = scope.error();
+                let rejected = rejected.map(|error| EarthError::Rejected(error.to_string()));
+                if let Some(error) = ready.err().map(EarthError::from).or(rejected) {
                     tracing::warn!("a part of the Earth is not drawn: {error}");
                     self.error = Some(error);
                 }
@@ -518,16 +523,6 @@ fn views<'a>(
 ) -> impl Iterator<Item = &'a mut EarthView> {
     let others = others.iter_mut().map(|other| &mut *other.view);
     std::iter::once(first).chain(others)
-}
-
-/// The result of creating pipelines, or the device's error since the scope began.
-fn unless_rejected<T>(made: Result<T, ShaderError>, scope: ErrorScope) -> Result<T, EarthError> {
-    let rejected = scope.error();
-    let made = made?;
-    match rejected {
-        Some(error) => Err(EarthError::Rejected(error.to_string())),
-        None => Ok(made),
-    }
 }
 
 fn render_halo(view: &EarthView, pass: &mut wgpu::RenderPass<'_>) {

@@ -15,7 +15,7 @@ use super::surface_pipelines::{
 };
 use super::surface_view::SurfaceView;
 use super::tiles::TileTextures;
-use super::{Binding, GpuMap, MapError, ShaderError, UploadedMaps};
+use super::{Binding, ErrorScope, GpuMap, MapError, ShaderError, UploadedMaps};
 use crate::plan::{ChosenTiles, DrawLight, FramePlan, LIMB_SEGMENTS, SurfaceLightUniforms};
 use std::sync::Arc;
 use terrella_ground::globe::{BlockSet, Shading};
@@ -300,21 +300,27 @@ impl SurfaceDrawable {
         })
     }
 
-    /// Creates and binds it, if there is one.
+    /// Creates and binds it, if there is one. Returns the error of a device that rejects it: then it is not tried again.
     pub fn make_next(
         &mut self,
         device: &wgpu::Device,
         config: &SurfaceConfig<'_>,
         view: &mut SurfaceView,
         plan: &FramePlan,
-    ) -> Result<(), ShaderError> {
-        if let Some(kind) = self.next_kind(plan) {
-            let (at, maker) = (self.situation(plan), self.maker(view));
-            self.pipelines
-                .make_pass(&maker, device, config, (at, kind))?;
-            self.bind_pass(device, config, view, (at, kind));
+    ) -> Result<Option<wgpu::Error>, ShaderError> {
+        let Some(kind) = self.next_kind(plan) else {
+            return Ok(None);
+        };
+        let (at, maker) = (self.situation(plan), self.maker(view));
+        let scope = ErrorScope::open(device, wgpu::ErrorFilter::Validation);
+        let made = self.pipelines.make_pass(&maker, device, config, (at, kind));
+        let rejected = scope.error();
+        made?;
+        match &rejected {
+            Some(_) => self.pipelines.give_up((at, kind)),
+            None => self.bind_pass(device, config, view, (at, kind)),
         }
-        Ok(())
+        Ok(rejected)
     }
 
     /// Binds a pass that was created.

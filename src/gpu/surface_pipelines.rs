@@ -88,11 +88,10 @@ impl SurfacePipelines {
         light: DrawLight,
         has_moon_shadow: bool,
     ) -> PassKind {
-        let is_awaited = |kind: PassKind| {
-            let is_created = !self.is_gradual || self.pass(at, kind).is_some();
-            self.has(at, kind) && (is_created || !kind.only_saves_time())
-        };
-        first_kind(light, has_moon_shadow, is_awaited)
+        let may_wait = |kind: PassKind| self.is_gradual && kind.only_saves_time();
+        first_kind(light, has_moon_shadow, |kind| {
+            self.has(at, kind) && (self.pass(at, kind).is_some() || !may_wait(kind))
+        })
     }
 
     /// The same when all kinds are created.
@@ -145,6 +144,13 @@ impl SurfacePipelines {
             slot.variant = Some(variant);
         }
         Ok(())
+    }
+
+    /// Removes a pass that the device rejected: another kind replaces it.
+    pub(super) fn give_up(&mut self, (at, kind): (Situation, PassKind)) {
+        if let Some(side) = self.sides.get_mut(at.side) {
+            side[at.scales as usize][kind as usize] = Slot::default();
+        }
     }
 
     /// Creates missing passes, several at a time.

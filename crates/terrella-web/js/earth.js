@@ -174,20 +174,25 @@ export class TerrellaEarth extends EventTarget {
 
   /** Settles when the device has drawn what it has been given. */
   async #idle() {
-    while (this.#globe && !this.#globe.isIdle()) await new Promise((resolve) => setTimeout(resolve));
+    while (!this.#isLost && this.#globe?.isIdle() === false) await new Promise((resolve) => setTimeout(resolve));
   }
 
   /** Creates the pipelines that make further frames faster, one at a time, while the page has nothing to do. */
   async #speedUp() {
     if (this.#isSpeedingUp) return;
     this.#isSpeedingUp = true;
-    while (!this.#isLost && this.#globe?.hasNextPipeline()) {
-      await this.#idle();
-      // Safari has no such callback.
-      await new Promise((resolve) => (window.requestIdleCallback ?? setTimeout)(resolve));
-      this.#globe?.makeNextPipeline();
+    try {
+      while (!this.#isLost && this.#globe?.hasNextPipeline()) {
+        await this.#idle();
+        // Safari has no such callback.
+        await new Promise((resolve) => (window.requestIdleCallback ?? setTimeout)(resolve));
+        this.#globe?.makeNextPipeline();
+      }
+    } catch (error) {
+      this.#fail(error);
+    } finally {
+      this.#isSpeedingUp = false;
     }
-    this.#isSpeedingUp = false;
   }
 
   #contextLost = (event) => {

@@ -190,7 +190,8 @@ impl Globe {
         incoming.band(device, map, rows, texels).map_err(thrown)
     }
 
-    /// Whether the device has done what was submitted before this was first asked since it last was true. An upload to a busy device stops the page.
+    /// Whether the device has done all work that was submitted before the first of these calls. A `true` ends a series of calls. An upload to a busy device
+    /// stops the page.
     #[wasm_bindgen(js_name = isIdle)]
     pub fn is_idle(&mut self) -> bool {
         let awaited = self.awaited.get_or_insert_with(|| self.canvas.submitted());
@@ -356,7 +357,10 @@ impl Globe {
             .set_quality(&self.canvas.queue, &quality)
             .map_err(thrown)?;
         self.has_sky = sky;
-        self.fill_sky()?;
+        let (device, queue) = (&self.canvas.device, &self.canvas.queue);
+        self.celestial
+            .follow(device, queue, &self.earth)
+            .map_err(thrown)?;
         self.overlay.follow(&self.earth).map_err(thrown)
     }
 
