@@ -24,6 +24,12 @@ def test_the_import_is_quick_and_asks_for_no_numpy():
     assert runs[0][1] == "False"
 
 
+def test_a_missing_numpy_is_an_import_error():
+    program = "import sys; sys.modules['numpy'] = None; import terrella"
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert run.returncode == 1 and run.stderr.endswith("ImportError: terrella needs NumPy: pip install numpy\n"), run.stderr
+
+
 def test_the_stubs_are_of_what_is_there():
     from terrella import _native
 

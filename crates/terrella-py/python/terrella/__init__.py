@@ -9,6 +9,12 @@
 on the equator, z to the north pole). Pictures have their first row at the top.
 """
 
+from importlib.util import find_spec
+
+# It is loaded with the first array, and the native module cannot report that it is missing.
+if find_spec("numpy") is None:
+    raise ImportError("terrella needs NumPy: pip install numpy", name="numpy")
+
 from ._datasets import states_dataset, truth_dataset
 from ._earth import Earth, Frame, Scene
 from ._film import Film
