@@ -213,6 +213,11 @@ export class TerrellaEarth extends EventTarget {
     return this.#alive.adapter();
   }
 
+  /** Whether shaders are still to be compiled that draw the last picture faster. */
+  get compiling() {
+    return this.#alive.hasNextPipeline();
+  }
+
   get view() {
     const numbers = this.#alive.view();
     return Object.fromEntries(VIEW_KEYS.map((key, i) => [key, numbers[i]]));

@@ -178,6 +178,8 @@ export class TerrellaEarth extends EventTarget {
   static create(canvas: HTMLCanvasElement, options?: Options): Promise<TerrellaEarth>;
   readonly backend: "webgpu" | "webgl";
   readonly adapter: string;
+  /** Whether shaders are still to be compiled that draw the last picture faster. That happens while the page has nothing to do. */
+  readonly compiling: boolean;
   /** Reading gives all numbers; what is assigned may have some of them. */
   get view(): View;
   set view(change: Partial<View>);

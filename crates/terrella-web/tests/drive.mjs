@@ -89,6 +89,7 @@ async function compare({ view, picture, limit }) {
   const begin = performance.now();
   earth.draw();
   const first = performance.now() - begin;
+  while (earth.compiling) await new Promise((resolve) => setTimeout(resolve, 50));
   const times = [];
   for (let i = 0; i < 5; i++) {
     const begin = performance.now();

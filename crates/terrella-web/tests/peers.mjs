@@ -118,6 +118,7 @@ async function makeTerrella({ size, view, options }) {
     earth.view = { lat: view.lat, lon: view.lon, altitude, heading: 0, pitch: -90, fov: view.fov };
     // The page draws the new view once by itself.
     await new Promise((resolve) => earth.addEventListener("frame", resolve, { once: true }));
+    while (earth.compiling) await new Promise((resolve) => setTimeout(resolve, 50));
   };
   const gl = earth.backend === "webgl" ? canvas.getContext("webgl2") : null;
   window.peer = { canvas, gl, draw: () => earth.draw(), show, about: `Terrella, ${earth.adapter}` };
