@@ -23,7 +23,7 @@ fn land_structure(up: vec3f, texel: f32, pixel: f32) -> LandDetail {
     let shown = shown_detail(texel, pixel);
     var out: LandDetail;
     if shown == 0.0 { return out; }
-    out = land_of_size(up, COARSE_TILES, texel, pixel);
+    out = land_of_scale(up, scale_at(COARSE_TILES, texel, pixel));
     @if(fine_scale) out = with_finer_land(out, up, texel, pixel);
     out.patches = scaled(shown, out.patches);
     out.height = scaled(shown, out.height);
@@ -36,8 +36,7 @@ fn land_structure(up: vec3f, texel: f32, pixel: f32) -> LandDetail {
 }
 
 @if(coarse_scale)
-fn land_of_size(up: vec3f, tiles: f32, texel: f32, pixel: f32) -> LandDetail {
-    let scale = scale_at(tiles, texel, pixel);
+fn land_of_scale(up: vec3f, scale: Scale) -> LandDetail {
     let place = place_on_tile(up, scale);
     let read = sample_land(place, scale);
     return LandDetail(value_of(read.r, scale), value_of(read.g, scale), change_of(read, scale, place.side, LAND_SLOPE_STEP));
@@ -45,10 +44,10 @@ fn land_of_size(up: vec3f, tiles: f32, texel: f32, pixel: f32) -> LandDetail {
 
 @if(fine_scale)
 fn with_finer_land(coarse: LandDetail, up: vec3f, texel: f32, pixel: f32) -> LandDetail {
-    let level = scale_at(FINE_TILES, texel, pixel).level;
-    let shown = 1.0 - smoothstep(EMPTY_LEVEL - FADING_LEVELS, EMPTY_LEVEL, level);
+    let scale = scale_at(FINE_TILES, texel, pixel);
+    let shown = 1.0 - smoothstep(EMPTY_LEVEL - FADING_LEVELS, EMPTY_LEVEL, scale.level);
     if shown == 0.0 { return coarse; }
-    let fine = land_of_size(FINE_TURN * up, FINE_TILES, texel, pixel);
+    let fine = land_of_scale(FINE_TURN * up, scale);
     return LandDetail(
         plus(coarse.patches, FINE_STRENGTH * shown, fine.patches),
         plus(coarse.height, FINE_HEIGHT * shown, fine.height),
