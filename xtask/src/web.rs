@@ -1,6 +1,7 @@
 //! `cargo xtask web`: the Earth for web pages, built, served on this machine and tested in a browser.
 
 mod data;
+mod device;
 mod npm;
 mod packs;
 mod parts;
@@ -353,9 +354,11 @@ fn draw_natively(program: &Path, views: &Path, maps: &Path, to: &Path) -> anyhow
     let text = fs::read_to_string(views).with_context(|| views.display().to_string())?;
     let views: Vec<Value> = serde_json::from_str(&text).context("views.json is no list")?;
     fs::create_dir_all(to).with_context(|| to.display().to_string())?;
+    let device = device::of_browser()?;
     for view in &views {
         let name = view["name"].as_str().context("a view without a name")?;
         let mut draw = Command::new(program);
+        draw.envs(device.variables());
         draw.arg("frame").args(["--size", "640x360", "-o"]);
         draw.arg(to.join(format!("{name}.png")));
         match view["scene"].as_str() {

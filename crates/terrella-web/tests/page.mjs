@@ -101,8 +101,14 @@ export async function open(browser, url) {
   }
 }
 
-/** A screenshot of a page: its file, and its pixels as an `ImageData`'s. */
+/** A screenshot of a page once no shader is left to be compiled: its file, and its pixels as an `ImageData`'s. */
 export async function picture(tab) {
+  await tab.evaluate(async () => {
+    const earth = document.querySelector("terrella-earth")?.earth;
+    while (earth?.compiling) await new Promise((resolve) => setTimeout(resolve, 50));
+    earth?.draw();
+    await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
+  });
   const file = await tab.screenshot();
   const numbers = await tab.evaluate(async (text) => {
     const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));

@@ -1,5 +1,6 @@
 //! The part of `cargo xtask web test` about imagery packs: a pack is built, drawn natively, and drawn in pages that fetch it.
 
+use super::device;
 use super::npm::{self, PLAYWRIGHT};
 use super::parts;
 use crate::files::write_bytes;
@@ -49,8 +50,10 @@ pub fn run(dist: &Path, tests: &Path, program: &Path, out: &Path) -> anyhow::Res
     process::run(build.arg("--output").arg(&pack))?;
     let scene = out.join("pack.toml");
     write_bytes(&scene, SCENE.as_bytes())?;
+    let device = device::of_browser()?;
     for storage in STORAGES {
         let mut draw = Command::new(program);
+        draw.envs(device.variables());
         draw.arg("frame").arg(&scene).args(["--size", "640x360"]);
         draw.arg("--set").arg(format!("earth.storage={storage}"));
         process::run(draw.arg("-o").arg(out.join(storage).with_extension("png")))?;
