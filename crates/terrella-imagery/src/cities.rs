@@ -23,7 +23,7 @@ mod roads;
 use super::error::ImageryError;
 use super::layer::LayerImage;
 use super::map_folder::MapFolder;
-use by_cell::{COARSEST_TEXELS, CellPoints, LightSource};
+use by_cell::{COARSEST_TEXELS, CellEnds, CellPoints, LightSource};
 pub use lamps::{LAMP_COLOR, LAMP_GLOW};
 use map_light::MapLight;
 pub use places::{MAX_PLACES, PLACES_FILE, Place, PlacesError, read_places};
@@ -108,6 +108,43 @@ impl CityLights {
             LightSource::new(light, Box::new(places))
         };
         Ok(Some(Arc::new(Self::of(Box::new(make)))))
+    }
+
+    /// All points as bytes, for another part of the same program that shares no memory with this one, as a page and its workers:
+    /// [`Self::from_bytes`]. The starter map has 8 MB.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        self.make_all();
+        let cells = (0..CITY_CELLS).filter_map(|cell| self.cell(cell));
+        let mut bytes = Vec::from((self.source.rows() as u32).to_ne_bytes());
+        let ends = cells.clone().flat_map(CellPoints::ends);
+        bytes.extend(ends.flat_map(|end| end.to_ne_bytes()));
+        let points = cells.flat_map(|cell| bytemuck::cast_slice::<_, u8>(cell.all()));
+        bytes.extend(points);
+        bytes
+    }
+
+    /// The points of [`Self::to_bytes`]; `None` for other bytes.
+    pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
+        let (rows, rest) = bytes.split_first_chunk()?;
+        let rows = u32::from_ne_bytes(*rows) as usize;
+        let (ends, mut rest) = rest.split_at_checked(CITY_CELLS * size_of::<CellEnds>())?;
+        let mut cells = Vec::with_capacity(CITY_CELLS);
+        for ends in ends.chunks_exact(size_of::<CellEnds>()) {
+            let ends: CellEnds = bytemuck::pod_read_unaligned(ends);
+            let length = (*ends.last()? as usize).checked_mul(size_of::<CityLight>())?;
+            let (points, others) = rest.split_at_checked(length)?;
+            rest = others;
+            let points = points.chunks_exact(size_of::<CityLight>());
+            let points = points.map(bytemuck::pod_read_unaligned).collect();
+            cells.push(OnceLock::from(CellPoints::of(points, ends)?));
+        }
+        let light = MapLight::unlit(rows);
+        let source = LightSource::new(light, Box::new(Vec::new));
+        let lights = Self {
+            source: LazyLock::new(Box::new(move || source)),
+            cells: cells.into(),
+        };
+        (rows > 0 && rest.is_empty()).then_some(lights)
     }
 
     /// Computes the points of all cells, on all cores.
@@ -292,6 +329,38 @@ mod tests {
         // In another order.
         for cell in (0..CITY_CELLS).rev() {
             assert_eq!(again.points(cell), lights.points(cell), "{cell}");
+        }
+    }
+
+    #[test]
+    fn bytes_give_the_same_points_and_damaged_ones_give_none() {
+        let (.., lights) = lights();
+        let bytes = lights.to_bytes();
+        let again = CityLights::from_bytes(&bytes).expect("whole");
+        for cell in 0..CITY_CELLS {
+            assert_eq!(again.points(cell), lights.points(cell));
+            for fineness in 0..FINENESSES {
+                let range = again.of_cell(cell, fineness, 1e-9);
+                assert_eq!(range, lights.of_cell(cell, fineness, 1e-9));
+            }
+        }
+        assert_eq!(again.fineness(1e5), lights.fineness(1e5));
+        let counts = 4 + CITY_CELLS * 4 * FINENESSES;
+        for cut in [0, 3, 4, counts - 1, counts, bytes.len() - 1] {
+            assert!(CityLights::from_bytes(&bytes[..cut]).is_none(), "{cut}");
+        }
+        let longer = [&bytes[..], &[0]].concat();
+        assert!(CityLights::from_bytes(&longer).is_none());
+        for at in (0..counts).step_by(97) {
+            let mut faulty = bytes.clone();
+            faulty[at] ^= 0xFF;
+            // It may have other points, but only in the number that it says.
+            if let Some(lights) = CityLights::from_bytes(&faulty) {
+                for cell in 0..CITY_CELLS {
+                    let count = lights.points(cell).len() as u32;
+                    assert!(lights.of_cell(cell, FINENESSES - 1, 0.0).end <= count);
+                }
+            }
         }
     }
 

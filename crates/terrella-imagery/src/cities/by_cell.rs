@@ -28,12 +28,14 @@ struct Inhabited {
     roads: Roads,
 }
 
+/// End of each level of detail among the points of a cell.
+pub type CellEnds = [u32; FINENESSES];
+
 /// The points of a cell, the finest first, each fineness from bright to faint.
 #[derive(Default)]
 pub struct CellPoints {
     points: Box<[CityLight]>,
-    /// End of each level of detail.
-    ends: [u32; FINENESSES],
+    ends: CellEnds,
 }
 
 /// Side of the group of texels that has one point at the coarsest level, texels.
@@ -148,6 +150,17 @@ impl LightSource {
 }
 
 impl CellPoints {
+    /// Of these points; `None` unless the levels follow each other up to the last point.
+    pub fn of(points: Box<[CityLight]>, ends: CellEnds) -> Option<Self> {
+        let fits = ends.is_sorted() && ends.last().copied() == u32::try_from(points.len()).ok();
+        fits.then_some(Self { points, ends })
+    }
+
+    /// End of each level of detail.
+    pub fn ends(&self) -> CellEnds {
+        self.ends
+    }
+
     /// All of them.
     pub fn all(&self) -> &[CityLight] {
         &self.points

@@ -83,6 +83,14 @@ impl MapLight {
         }
     }
 
+    /// None, of a map with so many rows.
+    pub fn unlit(rows: usize) -> Self {
+        Self {
+            height: rows,
+            ..Self::default()
+        }
+    }
+
     /// Light of all texels, in square equatorial radii of ground at the brightness of the brightest.
     pub fn total(&self) -> f64 {
         let lit = self.lit.iter();
