@@ -14,7 +14,7 @@ use std::time::Duration;
 use terrella_files::clock::Instant;
 use terrella_ground::air::Atmosphere;
 use terrella_ground::globe::{BLOCK_COUNT, Figure, Meshes};
-use terrella_imagery::NeighbourhoodAlbedo;
+use terrella_imagery::{CityLights, NeighbourhoodAlbedo};
 
 /// Prepares other qualities and appearances of one Earth, on any thread: [`Earth::change_maker`].
 ///
@@ -275,6 +275,26 @@ impl Earth {
         appearance: &Appearance,
     ) -> Result<(), EarthError> {
         let ready = self.change_maker(queue).appearance(appearance)?;
+        self.set_ready(queue, ready)
+    }
+
+    /// Draws these city lights as points from the next [`Self::prepare`] on, in all views, as if the Earth had been made with
+    /// [`EarthOptions::city_lights`](super::EarthOptions::city_lights). Pipelines are made again, as by [`Self::set_appearance`].
+    ///
+    /// # Errors
+    /// As [`Self::new`]. The Earth is then unchanged.
+    pub fn set_city_lights(
+        &mut self,
+        queue: &wgpu::Queue,
+        lights: Arc<CityLights>,
+    ) -> Result<(), EarthError> {
+        let mut maker = self.change_maker(queue);
+        maker.style.has_city_lights = true;
+        let ready = maker.appearance(&self.appearance)?;
+        self.style.has_city_lights = true;
+        let driver = &mut self.first.planner.city_lights;
+        driver.set_lights(Some(lights.clone()));
+        self.surface.set_city_lights(lights);
         self.set_ready(queue, ready)
     }
 

@@ -20,7 +20,7 @@ const LEAST_FACING: f64 = 0.02;
 /// Selects city lights for the views of an Earth.
 #[derive(Clone)]
 pub(super) struct CityLightDriver {
-    lights: Arc<CityLights>,
+    lights: Option<Arc<CityLights>>,
     /// Positions of the cells, the same in all frames.
     cells: Arc<[CityCell]>,
     /// Exposed light of a pixel below which a light is left out; 0 if all light counts.
@@ -28,11 +28,10 @@ pub(super) struct CityLightDriver {
 }
 
 impl CityLightDriver {
-    /// `None` without city lights.
-    pub fn new(options: &EarthOptions) -> Option<Self> {
+    pub fn new(options: &EarthOptions) -> Self {
         let shown = DVec3::splat(LEAST_SHOWN);
-        Some(Self {
-            lights: options.city_lights.clone()?,
+        Self {
+            lights: options.city_lights.clone(),
             cells: CityCell::all().collect(),
             least_shown: match options.pass_format().target_color() {
                 TargetColor::Radiance => 0.0,
@@ -41,11 +40,21 @@ impl CityLightDriver {
                     least / options.grade.largest_gain()
                 }
             },
-        })
+        }
+    }
+
+    /// What it selects from.
+    pub fn lights(&self) -> Option<&Arc<CityLights>> {
+        self.lights.as_ref()
+    }
+
+    /// Selects from these from now on.
+    pub fn set_lights(&mut self, lights: Option<Arc<CityLights>>) {
+        self.lights = lights;
     }
 
     /// Lists the lights of cells that are partly in the dark and in sight, at the level of detail that their nearest place needs. Without `detail`
-    /// there are none.
+    /// or without city lights there are none.
     pub fn list(
         &self,
         view: &ItrfView,
@@ -55,9 +64,9 @@ impl CityLightDriver {
         plan: &mut FramePlan,
     ) {
         let full = light.lamp_light() * f64::from(exposure);
-        if !light.detail || full <= 0.0 {
+        let Some(lights) = self.lights.as_ref().filter(|_| light.detail && full > 0.0) else {
             return;
-        }
+        };
         let ellipsoid = plan.ellipsoid;
         let radius_m = ellipsoid.equatorial_radius_m;
         for cell in self.cells.iter() {
@@ -69,13 +78,11 @@ impl CityLightDriver {
                 continue;
             };
             let pixel_m = seen.distance_m * view.pixel_rad();
-            let fineness = self.lights.fineness(pixel_m / seen.facing.sqrt());
+            let fineness = lights.fineness(pixel_m / seen.facing.sqrt());
             // Ground area of a pixel, square radii.
             let ground = (pixel_m / radius_m).powi(2) / seen.facing;
             let least_light = self.least_shown / full * ground;
-            let points = self
-                .lights
-                .of_cell(cell.index, fineness, least_light as f32);
+            let points = lights.of_cell(cell.index, fineness, least_light as f32);
             plan.add_city_lights(CityDraw {
                 cell: cell.index,
                 points,

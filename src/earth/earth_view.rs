@@ -233,6 +233,8 @@ impl Earth {
         // Before the air is set, so that existing parts are not made again.
         view.planner.exposure.share(&first.exposure);
         view.planner.set_appearance(&self.appearance);
+        let lights = first.city_lights.lights().cloned();
+        view.planner.city_lights.set_lights(lights);
         let meshes = first.meshes().clone();
         let air = self.first.air.as_ref();
         let air = air.map(|air| air.for_another_view(&self.device));

@@ -49,7 +49,7 @@ pub(super) struct Planner {
     /// Where there is only land or only open sea, if known.
     kinds: Option<Arc<GroundKinds>>,
     light: SurfaceLight,
-    city_lights: Option<CityLightDriver>,
+    pub city_lights: CityLightDriver,
     ground: Option<GroundDriver>,
     has_tiles: bool,
     /// Texels of the day map per block side if no tile is drawn.
@@ -245,8 +245,8 @@ impl Planner {
                 plan.night.insert(block.index() as u8);
             }
         }
-        if let (Some(lights), None) = (&self.city_lights, &self.ground) {
-            lights.list(view, sky, exposure, &light, plan);
+        if self.ground.is_none() {
+            self.city_lights.list(view, sky, exposure, &light, plan);
         }
         if !self.has_tiles {
             stats.texels_per_pixel = self.whole_texels_per_pixel(view, &plan.blocks);

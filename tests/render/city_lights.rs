@@ -1,11 +1,12 @@
 //! City lights as points, beside the map whose place they take.
 
 use crate::common::{Rig, down, gpu, plain, tilted};
+use crate::views::{alone, together};
 use glam::DVec3;
 use std::sync::Arc;
 use terrella::frames::Geodetic;
 use terrella::{
-    Atmosphere, EarthLayers, EarthOptions, EyeView, GpuMap, LayerImage, MapLayer, Pipelines,
+    Atmosphere, Earth, EarthLayers, EarthOptions, EyeView, GpuMap, LayerImage, MapLayer, Pipelines,
     SurfaceLight,
 };
 use terrella_imagery::{CityLights, Place};
@@ -175,4 +176,29 @@ fn points_that_are_made_when_needed_are_drawn_as_those_made_at_once() {
         assert!(first.iter().any(|[red, ..]| *red > 0.0), "{lon_deg}");
         assert_eq!(first, second, "{lon_deg}");
     }
+}
+
+/// Points that come after the first frame, as in a page: a view that was made before has them too.
+#[test]
+fn points_given_later_are_drawn_as_those_given_at_first() {
+    let with_points = options(Atmosphere::Billboard, Some(80), true);
+    let lights = with_points.city_lights.clone().expect("points");
+    let with_map = EarthOptions {
+        city_lights: None,
+        ..with_points.clone()
+    };
+    let gpu = gpu();
+    let eyes = [-145.0, -120.0].map(|lon_deg| {
+        let place = Geodetic::from_degrees(4.0, lon_deg, 6e5);
+        down(place, 50.0, 16.0 / 9.0)
+    });
+    let mut earth = Earth::new(&gpu.device, &gpu.queue, &with_map).expect("an Earth");
+    let mut views = [earth.new_view().expect("a view")];
+    assert!(together(&mut earth, &mut views, &eyes) == alone(&with_map, &eyes));
+    earth
+        .set_city_lights(&gpu.queue, lights)
+        .expect("pipelines of points");
+    let drawn = together(&mut earth, &mut views, &eyes);
+    assert!(drawn == alone(&with_points, &eyes));
+    assert!(drawn != alone(&with_map, &eyes));
 }
