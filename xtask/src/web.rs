@@ -29,7 +29,7 @@ const READERS: [(&str, &str); 2] = [
     ("scenes", "terrella-web-scene"),
 ];
 /// The starter maps that a page uses.
-const MAPS: [&str; 9] = [
+const MAPS: [&str; 10] = [
     "day.jpg",
     "clouds.jpg",
     "elevation.png",
@@ -38,6 +38,7 @@ const MAPS: [&str; 9] = [
     "seasons.png",
     "moon.jpg",
     "milky_way.jpg",
+    "places.bin",
     "stars.bin",
 ];
 

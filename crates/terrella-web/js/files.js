@@ -10,6 +10,7 @@ export const MAPS = {
   "seasons.png": new URL("./maps/seasons.png", import.meta.url),
   "moon.jpg": new URL("./maps/moon.jpg", import.meta.url),
   "milky_way.jpg": new URL("./maps/milky_way.jpg", import.meta.url),
+  "places.bin": new URL("./maps/places.bin", import.meta.url),
   "stars.bin": new URL("./maps/stars.bin", import.meta.url),
 };
 

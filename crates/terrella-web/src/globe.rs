@@ -98,6 +98,7 @@ impl Opening {
         let canvas = self.canvas;
         let mut options = EarthOptions::new(maps.layers);
         options.uploaded = maps.uploaded;
+        options.city_lights = maps.city_lights;
         canvas.fit(&mut options);
         options.anisotropy = self.anisotropy;
         options.exposure = Exposure::Auto;
@@ -228,6 +229,12 @@ impl Globe {
             .set_maps(&self.canvas.queue, &maps.uploaded)
             .map_err(thrown)?;
         self.options.replace_uploaded(maps.layers, maps.uploaded);
+        if let Some(lights) = maps.city_lights {
+            let queue = &self.canvas.queue;
+            let given = self.earth.set_city_lights(queue, lights.clone());
+            given.map_err(thrown)?;
+            self.options.city_lights = Some(lights);
+        }
         self.in_sky.moon = maps.moon.or(self.in_sky.moon.take());
         self.milky_way = maps.milky_way.or(self.milky_way.take());
         self.fill_sky()

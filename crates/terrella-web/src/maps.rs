@@ -7,13 +7,16 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use terrella::celestial::{CelestialOptions, CelestialSelection, MILKY_WAY_FILE, MOON_FILE};
 use terrella::{
-    EarthLayers, ImageryError, LayerImage, LayerSelection, MapBands, MapError, MapLayer, MapRows,
+    CityLights, EarthLayers, ImageryError, LayerImage, LayerSelection, MapBands, MapError, MapLayer, MapRows,
     MapSink, MapUploader, Season, TexelFormat, UploadedMaps, load_seasonal_layers, wgpu,
 };
 use wasm_bindgen::prelude::{JsCast, JsValue, wasm_bindgen};
 
 /// Number of the Moon's map in messages from the worker, behind those of the Earth; that of the Milky Way follows.
 const MOON: usize = MapLayer::ALL.len();
+
+/// Number of the city lights, behind those of the sky: bytes of [`CityLights`] in place of texels.
+const CITY_LIGHTS: usize = MOON + 2;
 
 /// How the texels of a map are stored.
 fn format_of(layer: MapLayer) -> TexelFormat {
@@ -25,7 +28,7 @@ fn format_of(layer: MapLayer) -> TexelFormat {
 }
 
 /// Decodes maps: an object of `Uint8Array`s by the names of the starter maps (`day.jpg`, `clouds.jpg`, `elevation.png`, `night_lights.png`,
-/// `water.png`, `seasons.png`, `moon.jpg`, `milky_way.jpg`), of which the first must be there. For a worker. Snow and sea ice are those of a time since the start of the year, as a
+/// `water.png`, `seasons.png`, `moon.jpg`, `milky_way.jpg`, `places.bin`), of which the first must be there. For a worker. With `places.bin` the light of cities is divided into points. Snow and sea ice are those of a time since the start of the year, as a
 /// fraction of it; without it, or without `seasons.png`, there are those of the day map. `take` is called with each band: number of the map, its width and height, level, first
 /// row, and texels; after the last band of a map with the level −1.
 ///
@@ -79,6 +82,9 @@ pub fn decode_maps(
             sink.send(number, size, 0, 0, &map.levels[0]);
             sink.send(number, size, END, 0, &[]);
         }
+    }
+    if let Some(lights) = CityLights::load(&files).map_err(thrown)? {
+        sink.send(CITY_LIGHTS as u32, (0, 0), END, 0, &lights.to_bytes());
     }
     match (sink.failed.into_inner(), damaged.into_iter().next()) {
         (Some(error), _) => Err(error),
@@ -153,6 +159,7 @@ pub struct Incoming {
     /// Texels of the maps of the sky that are coming, and the maps that came, from [`MOON`] on.
     sky_texels: [Vec<u8>; 2],
     sky: [Option<Arc<LayerImage>>; 2],
+    city_lights: Option<Arc<CityLights>>,
 }
 
 /// Maps that came.
@@ -165,6 +172,8 @@ pub struct Received {
     pub moon: Option<Arc<LayerImage>>,
     /// The Milky Way's.
     pub milky_way: Option<Arc<LayerImage>>,
+    /// The Earth's cities, as points.
+    pub city_lights: Option<Arc<CityLights>>,
 }
 
 /// Why maps that came cannot be used.
@@ -200,6 +209,7 @@ impl Incoming {
             came: Default::default(),
             sky_texels: Default::default(),
             sky: Default::default(),
+            city_lights: None,
         }
     }
 
@@ -214,6 +224,10 @@ impl Incoming {
         (level, first): (i32, u32),
         texels: &[u8],
     ) -> Result<(), IncomingError> {
+        if map == CITY_LIGHTS {
+            self.city_lights = CityLights::from_bytes(texels).map(Arc::new);
+            return Ok(());
+        }
         let Some(layer) = MapLayer::ALL.get(map).copied() else {
             return self.sky_band(map - MOON, (width, height), level, texels);
         };
@@ -286,6 +300,7 @@ impl Incoming {
             uploaded: self.uploader.finish()?,
             moon,
             milky_way,
+            city_lights: self.city_lights,
         })
     }
 }

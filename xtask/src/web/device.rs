@@ -27,7 +27,9 @@ pub fn of_browser() -> anyhow::Result<Driver> {
 }
 
 fn beside(browser: &Path) -> anyhow::Result<Driver> {
-    let program = browser.canonicalize().unwrap_or_else(|_| browser.to_owned());
+    let program = browser
+        .canonicalize()
+        .unwrap_or_else(|_| browser.to_owned());
     let own = program.parent().unwrap_or(Path::new("/"));
     let debian = (browser == Path::new(BROWSER)).then_some(Path::new(DEBIAN));
     let folders = [own].into_iter().chain(debian);

@@ -50,6 +50,8 @@ impl Toolchain {
         command.arg(what);
         if let Self::Debian { linker } = self {
             command.args(["-Z", "build-std=std,panic_abort"]);
+            // Sorts and searches of the standard library that are small: 22 kB less of the compressed file.
+            command.args(["-Z", "build-std-features=optimize_for_size"]);
             command.env("RUSTC", DEBIAN_RUSTC);
             // Building the standard library is not stable.
             command.env("RUSTC_BOOTSTRAP", "1");
