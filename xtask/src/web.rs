@@ -265,13 +265,17 @@ fn copy_pages(dist: &Path) -> anyhow::Result<()> {
             copy_whole(&path, &to.join(name), false)?;
         }
     }
-    for data in [
-        "crates/terrella-imagery/data/detail_tiles.jpg",
-        "textures/lines.bin",
+    for (file, to) in [
+        ("crates/terrella-imagery/data/detail_tiles.jpg", "data"),
+        ("textures/lines.bin", "data"),
+        ("textures/SOURCES.md", "maps"),
+        ("LICENSE-APACHE", ""),
+        ("LICENSE-MIT", ""),
+        ("THIRD-PARTY.md", ""),
     ] {
-        let from = root.join(data);
+        let from = root.join(file);
         let name = from.file_name().unwrap_or_default();
-        copy_whole(&from, &dist.join("terrella/data").join(name), false)?;
+        copy_whole(&from, &dist.join("terrella").join(to).join(name), false)?;
     }
     for name in MAPS {
         let to = dist.join("terrella/maps").join(name);
