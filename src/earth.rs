@@ -147,7 +147,7 @@ impl Earth {
     pub fn check_pipelines(&self) -> Result<(), EarthError> {
         match &self.error {
             None => Ok(()),
-            Some(error) => Err(EarthError::Rejected(error.to_string())),
+            Some(error) => Err(EarthError::rejected(error)),
         }
     }
 
@@ -171,7 +171,7 @@ impl Earth {
         let (surface, plan) = (&mut view.surface, &view.plan);
         let made = self.surface.make_next(&self.device, &config, surface, plan);
         let error = match made {
-            Ok(rejected) => rejected.map(|error| EarthError::Rejected(error.to_string())),
+            Ok(rejected) => rejected.map(EarthError::rejected),
             Err(error) => Some(error.into()),
         };
         if let Some(error) = error {
@@ -323,7 +323,7 @@ impl Earth {
                     surface.make_ready(&self.device, &config, &mut view.surface, &view.plan);
                 let ready = ready.and_then(|()| view.make_air_ready(&self.device));
                 let rejected = scope.error();
-                let rejected = rejected.map(|error| EarthError::Rejected(error.to_string()));
+                let rejected = rejected.map(EarthError::rejected);
                 if let Some(error) = ready.err().map(EarthError::from).or(rejected) {
                     tracing::warn!("a part of the Earth is not drawn: {error}");
                     self.error = Some(error);

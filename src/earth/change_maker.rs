@@ -180,7 +180,7 @@ impl ChangeMaker {
             (ReadyGround::Made(made), pipelines)
         };
         if let Some(error) = scope.error() {
-            return Err(EarthError::Rejected(error.to_string()));
+            return Err(EarthError::rejected(error));
         }
         Ok(ReadyChange {
             quality,

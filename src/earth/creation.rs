@@ -66,7 +66,7 @@ impl Earth {
             });
         }
         match errors.rejected {
-            Some(error) => Err(EarthError::Rejected(error.to_string())),
+            Some(error) => Err(EarthError::rejected(error)),
             None => Ok(self),
         }
     }

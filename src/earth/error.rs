@@ -156,3 +156,10 @@ pub enum EarthError {
     #[error("the device rejected the Earth's pipelines: {0}")]
     Rejected(String),
 }
+
+impl EarthError {
+    /// Of pipelines that the device rejected for this reason.
+    pub(super) fn rejected(cause: impl std::fmt::Display) -> Self {
+        Self::Rejected(cause.to_string())
+    }
+}
