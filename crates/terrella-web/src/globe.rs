@@ -73,7 +73,7 @@ impl Opening {
     /// Uploads a band of rows of a map: arguments as [`crate::decode_maps`] gives them.
     ///
     /// # Errors
-    /// A map that is too large for the device.
+    /// A map that is too large for the device, city lights of another version.
     pub fn band(
         &mut self,
         map: usize,
@@ -173,7 +173,7 @@ impl Globe {
     /// Uploads a band of rows of a finer map, as [`Opening::band`] does.
     ///
     /// # Errors
-    /// A map that is too large for the device.
+    /// A map that is too large for the device, city lights of another version.
     pub fn band(
         &mut self,
         map: usize,

@@ -7,8 +7,9 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use terrella::celestial::{CelestialOptions, CelestialSelection, MILKY_WAY_FILE, MOON_FILE};
 use terrella::{
-    CityLights, EarthLayers, ImageryError, LayerImage, LayerSelection, MapBands, MapError, MapLayer, MapRows,
-    MapSink, MapUploader, Season, TexelFormat, UploadedMaps, load_seasonal_layers, wgpu,
+    CityLights, EarthLayers, ImageryError, LayerImage, LayerSelection, MapBands, MapError,
+    MapLayer, MapRows, MapSink, MapUploader, Season, TexelFormat, UploadedMaps,
+    load_seasonal_layers, wgpu,
 };
 use wasm_bindgen::prelude::{JsCast, JsValue, wasm_bindgen};
 
@@ -189,6 +190,9 @@ pub enum IncomingError {
         height: u32,
         limit: u32,
     },
+    /// City lights of a worker of another version.
+    #[error("the city lights are not of this version; take all files of one folder")]
+    CityLights,
     /// The day map did not come.
     #[error("the day map is missing; give day.jpg")]
     NoDay,
@@ -216,7 +220,7 @@ impl Incoming {
     /// Takes a band of [`decode_maps`].
     ///
     /// # Errors
-    /// A map that is too large.
+    /// A map that is too large, city lights of another version.
     pub fn band(
         &mut self,
         device: &wgpu::Device,
@@ -225,7 +229,8 @@ impl Incoming {
         texels: &[u8],
     ) -> Result<(), IncomingError> {
         if map == CITY_LIGHTS {
-            self.city_lights = CityLights::from_bytes(texels).map(Arc::new);
+            let lights = CityLights::from_bytes(texels).ok_or(IncomingError::CityLights)?;
+            self.city_lights = Some(Arc::new(lights));
             return Ok(());
         }
         let Some(layer) = MapLayer::ALL.get(map).copied() else {

@@ -61,7 +61,7 @@ impl PackOpening {
     /// Uploads a band of rows of one of the pack's whole maps, as [`super::Opening::band`] does.
     ///
     /// # Errors
-    /// A map that is too large for the device.
+    /// A map that is too large for the device, city lights of another version.
     pub fn band(
         &mut self,
         map: usize,
