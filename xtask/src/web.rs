@@ -1,7 +1,7 @@
 //! `cargo xtask web`: the Earth for web pages, built, served on this machine and tested in a browser.
 
+mod browser;
 mod data;
-mod device;
 mod npm;
 mod packs;
 mod parts;
@@ -337,8 +337,8 @@ fn compare(dist: &Path, program: Option<&Path>, only: &str) -> anyhow::Result<()
     draw_natively(&program, &tests.join("views.json"), &maps, &native)?;
     let tools = npm::installed(&[npm::PLAYWRIGHT])?;
     let server = Server::start(dist, 0)?;
-    let mut node = Command::new("node");
-    node.arg(tests.join("drive.mjs")).arg(server.address());
+    let mut node = browser::script(&tests.join("drive.mjs"));
+    node.arg(server.address());
     node.arg(&native).arg(root.join("target/web/pictures"));
     process::run(node.env("ONLY", only).current_dir(&tools))
 }
@@ -359,7 +359,7 @@ fn draw_natively(program: &Path, views: &Path, maps: &Path, to: &Path) -> anyhow
     let text = fs::read_to_string(views).with_context(|| views.display().to_string())?;
     let views: Vec<Value> = serde_json::from_str(&text).context("views.json is no list")?;
     fs::create_dir_all(to).with_context(|| to.display().to_string())?;
-    let device = device::of_browser()?;
+    let device = browser::driver()?;
     for view in &views {
         let name = view["name"].as_str().context("a view without a name")?;
         let mut draw = Command::new(program);

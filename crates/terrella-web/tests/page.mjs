@@ -60,7 +60,7 @@ export async function serve(folders) {
 }
 
 /** Starts a browser with more flags. */
-export const launchWith = (flags) => chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: [...QUIET, ...flags] });
+export const launchWith = (flags) => chromium.launch({ executablePath: process.env.CHROMIUM, args: [...QUIET, ...flags] });
 
 /** Starts a browser that shows this backend's canvas. */
 export const launch = (backend) => launchWith(backend === "webgpu" ? [...VULKAN, "--enable-unsafe-webgpu"] : VULKAN);

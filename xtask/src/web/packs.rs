@@ -1,6 +1,6 @@
 //! The part of `cargo xtask web test` about imagery packs: a pack is built, drawn natively, and drawn in pages that fetch it.
 
-use super::device;
+use super::browser;
 use super::npm::{self, PLAYWRIGHT};
 use super::parts;
 use crate::files::write_bytes;
@@ -50,7 +50,7 @@ pub fn run(dist: &Path, tests: &Path, program: &Path, out: &Path) -> anyhow::Res
     process::run(build.arg("--output").arg(&pack))?;
     let scene = out.join("pack.toml");
     write_bytes(&scene, SCENE.as_bytes())?;
-    let device = device::of_browser()?;
+    let device = browser::driver()?;
     for storage in STORAGES {
         let mut draw = Command::new(program);
         draw.envs(device.variables());

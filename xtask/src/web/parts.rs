@@ -1,12 +1,12 @@
 //! Parts of `cargo xtask web test` about pages of others: bundlers that move the package's files, libraries that share the camera, servers that
 //! fail, and many elements in one page.
 
+use super::browser;
 use super::npm::{self, CESIUM, PLAYWRIGHT, Package};
 use crate::process;
 use anyhow::Context;
 use std::ffi::OsStr;
 use std::path::Path;
-use std::process::Command;
 
 const fn package(name: &'static str, version: &'static str) -> Package {
     Package { name, version }
@@ -67,9 +67,8 @@ pub fn run(
     more: &[&OsStr],
 ) -> anyhow::Result<()> {
     let dist = std::path::absolute(dist).with_context(|| dist.display().to_string())?;
-    let mut node = Command::new("node");
     process::run(
-        node.arg(test)
+        browser::script(test)
             .arg(dist)
             .arg(out)
             .args(more)

@@ -1,5 +1,6 @@
 //! `cargo xtask web peers`: frame times in a page beside those of CesiumJS.
 
+use super::browser;
 use super::npm::{self, CESIUM, PLAYWRIGHT};
 use super::serve::Server;
 use crate::numbers;
@@ -8,7 +9,6 @@ use anyhow::Context;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 /// The name of the recorded run, of its file and of its table.
 const RECORDING: &str = "web_peers";
@@ -30,8 +30,7 @@ pub fn run(dist: &Path, tests: &Path, rounds: u32) -> anyhow::Result<()> {
     let out = repository_root().join("target/web/peers");
     let pages = Server::start(dist, 0)?;
     let cesium = Server::start(&tools.join("node_modules/cesium/Build/Cesium"), 0)?;
-    let mut node = Command::new("node");
-    node.arg(tests.join("peers.mjs"));
+    let mut node = browser::script(&tests.join("peers.mjs"));
     node.args([pages.address(), cesium.address(), rounds.to_string()]);
     process::run(node.arg(&out).current_dir(&tools))?;
     let file = out.join("peers.json");

@@ -1,8 +1,9 @@
-//! The browser's own software Vulkan device. Native pictures are drawn on it: two software devices filter textures with other fractions, and on one
-//! device every difference is the page's.
+//! The browser of the tests, and its own software Vulkan device. Native pictures are drawn on it: two software devices filter textures with other
+//! fractions, and on one device every difference is the page's.
 
 use anyhow::bail;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// The browser of the tests, unless `CHROMIUM` names another.
 const BROWSER: &str = "/usr/bin/chromium";
@@ -17,13 +18,24 @@ pub struct Driver {
     description: PathBuf,
 }
 
+/// The program that the tests start.
+fn program() -> PathBuf {
+    std::env::var_os("CHROMIUM").map_or_else(|| BROWSER.into(), PathBuf::from)
+}
+
+/// Runs a script of the tests with the browser, whose path the script reads from `CHROMIUM`.
+pub fn script(file: &Path) -> Command {
+    let mut node = Command::new("node");
+    node.env("CHROMIUM", program()).arg(file);
+    node
+}
+
 /// The driver in the browser of the tests.
 ///
 /// # Errors
 /// The browser's folder has none.
-pub fn of_browser() -> anyhow::Result<Driver> {
-    let browser = std::env::var_os("CHROMIUM").unwrap_or_else(|| BROWSER.into());
-    beside(Path::new(&browser))
+pub fn driver() -> anyhow::Result<Driver> {
+    beside(&program())
 }
 
 fn beside(browser: &Path) -> anyhow::Result<Driver> {
