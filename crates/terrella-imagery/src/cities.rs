@@ -141,8 +141,8 @@ impl CityLights {
         let light = MapLight::unlit(rows);
         let source = LightSource::new(light, Box::new(Vec::new));
         let lights = Self {
-            source: LazyLock::new(Box::new(move || source)),
             cells: cells.into(),
+            ..Self::of(Box::new(move || source))
         };
         (rows > 0 && rest.is_empty()).then_some(lights)
     }
