@@ -21,8 +21,8 @@ const LEAST_FACING: f64 = 0.02;
 #[derive(Clone)]
 pub(super) struct CityLightDriver {
     lights: Option<Arc<CityLights>>,
-    /// Positions of the cells, the same in all frames.
-    cells: Arc<[CityCell]>,
+    /// Where the lights are: no cells without lights.
+    cells: &'static [CityCell],
     /// Exposed light of a pixel below which a light is left out; 0 if all light counts.
     least_shown: f64,
 }
@@ -30,9 +30,9 @@ pub(super) struct CityLightDriver {
 impl CityLightDriver {
     pub fn new(options: &EarthOptions) -> Self {
         let shown = DVec3::splat(LEAST_SHOWN);
-        Self {
-            lights: options.city_lights.clone(),
-            cells: CityCell::all().collect(),
+        let mut driver = Self {
+            lights: None,
+            cells: &[],
             least_shown: match options.pass_format().target_color() {
                 TargetColor::Radiance => 0.0,
                 _ => {
@@ -40,7 +40,9 @@ impl CityLightDriver {
                     least / options.grade.largest_gain()
                 }
             },
-        }
+        };
+        driver.set_lights(options.city_lights.clone());
+        driver
     }
 
     /// What it selects from.
@@ -50,6 +52,7 @@ impl CityLightDriver {
 
     /// Selects from these from now on.
     pub fn set_lights(&mut self, lights: Option<Arc<CityLights>>) {
+        self.cells = lights.as_ref().map_or(&[], |_| CityCell::all());
         self.lights = lights;
     }
 
@@ -69,7 +72,7 @@ impl CityLightDriver {
         };
         let ellipsoid = plan.ellipsoid;
         let radius_m = ellipsoid.equatorial_radius_m;
-        for cell in self.cells.iter() {
+        for cell in self.cells {
             let from_sun_rad = cell.up.angle_between(sky.sun_itrf) + cell.radius_rad + ROOM_RAD;
             if from_sun_rad < FRAC_PI_2 - LAMPS_OUT_SIN.asin() {
                 continue;
@@ -152,7 +155,7 @@ mod tests {
             let view = view.in_itrf(Viewport::from((640, 400))).expect("a picture");
             let (mut in_sight, mut listed) = (0, 0);
             for cell in CityCell::all() {
-                let seen = Seen::of(&cell, &view, &ellipsoid);
+                let seen = Seen::of(cell, &view, &ellipsoid);
                 listed += usize::from(seen.is_some());
                 let (row, column) = (cell.index / 64, cell.index % 64);
                 for place in 0..36 {

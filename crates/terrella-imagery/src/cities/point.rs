@@ -3,6 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
+use std::sync::LazyLock;
 
 /// The Earth's radius for distances within towns and texels, metres.
 pub const EARTH_M: f64 = 6.371e6;
@@ -57,22 +58,26 @@ pub struct CityCell {
 }
 
 impl CityCell {
-    /// All cells.
-    pub fn all() -> impl Iterator<Item = Self> {
-        (0..CITY_CELLS).map(|index| {
-            let (row, column) = (index / CELL_COLUMNS, index % CELL_COLUMNS);
-            let (height_rad, width_rad) = (PI / CELL_ROWS as f64, TAU / CELL_COLUMNS as f64);
-            let lat_rad = 0.5 * PI - (row as f64 + 0.5) * height_rad;
-            let nearest_equator = (lat_rad.abs() - 0.5 * height_rad).cos();
-            Self {
-                index,
-                up: up_at(
-                    (column as f64 + 0.5) / CELL_COLUMNS as f64,
-                    (row as f64 + 0.5) / CELL_ROWS as f64,
-                ),
-                radius_rad: 0.5 * height_rad.hypot(width_rad * nearest_equator),
-            }
-        })
+    /// All cells, by their numbers. They are computed on first use.
+    pub fn all() -> &'static [Self] {
+        static ALL: LazyLock<Box<[CityCell]>> =
+            LazyLock::new(|| (0..CITY_CELLS).map(CityCell::of).collect());
+        &ALL
+    }
+
+    fn of(index: usize) -> Self {
+        let (row, column) = (index / CELL_COLUMNS, index % CELL_COLUMNS);
+        let (height_rad, width_rad) = (PI / CELL_ROWS as f64, TAU / CELL_COLUMNS as f64);
+        let lat_rad = 0.5 * PI - (row as f64 + 0.5) * height_rad;
+        let nearest_equator = (lat_rad.abs() - 0.5 * height_rad).cos();
+        Self {
+            index,
+            up: up_at(
+                (column as f64 + 0.5) / CELL_COLUMNS as f64,
+                (row as f64 + 0.5) / CELL_ROWS as f64,
+            ),
+            radius_rad: 0.5 * height_rad.hypot(width_rad * nearest_equator),
+        }
     }
 }
 
