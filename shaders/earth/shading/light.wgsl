@@ -56,5 +56,11 @@ fn eclipsed(light: Light, at: SurfacePoint) -> Light {
 
 @if(eclipse && clouds)
 fn sun_left_to_clouds(clouds: CloudsBefore) -> vec3f {
-    return sun_left(frame.shadow, place_over(clouds.lift.up, surface_light.cloud_height, frame.polar_stretch));
+    return sun_left_at_clouds(clouds.lift.up);
+}
+
+// With their vertical.
+@if(eclipse && clouds)
+fn sun_left_at_clouds(up: vec3f) -> vec3f {
+    return sun_left(frame.shadow, place_over(up, surface_light.cloud_height, frame.polar_stretch));
 }

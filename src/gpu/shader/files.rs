@@ -188,6 +188,7 @@ files![
     "earth/shading/air_before.wgsl",
     "earth/shading/cloud_cover.wgsl",
     "earth/shading/clouds.wgsl",
+    "earth/shading/clouds_from_below.wgsl",
     "earth/shading/detail.wgsl",
     "earth/shading/detail_tiles.wgsl",
     "earth/shading/directional.wgsl",
