@@ -30,7 +30,9 @@ import earth/surface_point.wgsl;
 // Fragment stage: output.
 @if(!points && !beside_ground) import earth/fragment.wgsl;
 
-// Both stages of city lights drawn over it, and of clouds beside it: overhead for an eye below them, and above the edge of the ground.
+// Both stages of city lights drawn over it, and of clouds beside it: overhead for an eye below them, around an eye within them, and above the edge of
+// the ground.
 @if(points) import earth/city_lights.wgsl;
 @if(overhead) import earth/clouds_overhead.wgsl;
+@if(around) import earth/clouds_around.wgsl;
 @if(limb) import earth/clouds_at_limb.wgsl;

@@ -411,7 +411,7 @@ impl Earth {
         self.render_air_of(&self.first, pass);
     }
 
-    /// The third part. It draws nothing if the eye is above the clouds.
+    /// The third part. It draws nothing for an eye more than 1 km above the clouds.
     pub fn render_clouds_overhead(&self, pass: &mut wgpu::RenderPass<'_>) {
         self.render_clouds_overhead_of(&self.first, pass);
     }

@@ -31,5 +31,8 @@ struct FrameUniforms {
     lamp_light: f32,
     // Fraction of the clouds that rises above the edge of the ground.
     clouds_at_limb: f32,
-    padding: vec2f,
+    // Half the thickness of the clouds for an eye within them, equatorial radii.
+    clouds_reach: f32,
+    // Fraction of them that is drawn around the eye.
+    clouds_around: f32,
 }

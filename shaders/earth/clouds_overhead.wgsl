@@ -23,16 +23,16 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     let direction = normalize(stretched);
     let rise = dot(frame.eye_scaled, direction);
     // (1 + h)² − L².
-    let between = max(clouds_above() - frame.above, 0.0);
+    let between = clouds_above() - frame.above;
     let meets_ground = rise < 0.0 && rise * rise >= frame.above;
-    let root = sqrt(rise * rise + between);
+    let root = sqrt(max(rise * rise + between, 0.0));
     let distance = select(root - rise, between / max(root + rise, 1e-9), rise > 0.0);
     let place = frame.eye_scaled + distance * direction;
     let up = normalize(place * stretch);
 
     let at = on_whole_map(seen_along(ray, distance / length(stretched), up));
     let clouds = clouds_at(at, Lifted(up, vec2f(0.0)), 1.0 - frame.clouds_before);
-    if meets_ground || clouds.albedo <= 0.0 {
+    if meets_ground || between <= 0.0 || clouds.albedo <= 0.0 {
         discard;
     }
 

@@ -79,11 +79,13 @@ fn seen_along(ray: vec3f, radii: f32, up: vec3f) -> SurfacePoint {
     out.east = vec3f(-up.y, up.x, 0.0) / across;
     out.north = cross(up, out.east);
 
-    // The adjacent pixel's ray on the tangent plane: r − ray·(up·r)/(up·ray), times the distance in radii.
+    // The adjacent pixel's ray on the tangent plane: r − ray·(up·r)/(up·ray), times the distance in radii. Within the clouds there is no such plane.
     @if(overhead) let facing = max(dot(up, ray), 0.02 * length(ray));
-    @else let facing = min(dot(up, ray), -0.02 * length(ray));
-    let dx = radii * (frame.pixel_right - ray * (dot(up, frame.pixel_right) / facing));
-    let dy = radii * (frame.pixel_down - ray * (dot(up, frame.pixel_down) / facing));
+    @if(!overhead && !around) let facing = min(dot(up, ray), -0.02 * length(ray));
+    @if(!around) let dx = radii * (frame.pixel_right - ray * (dot(up, frame.pixel_right) / facing));
+    @if(!around) let dy = radii * (frame.pixel_down - ray * (dot(up, frame.pixel_down) / facing));
+    @if(around) let dx = radii * frame.pixel_right;
+    @if(around) let dy = radii * frame.pixel_down;
     let to_uv = vec2f(0.5, -1.0) / PI;
     out.uv_dx = vec2f(dot(out.east, dx), dot(out.north, dx)) * to_uv;
     out.uv_dy = vec2f(dot(out.east, dy), dot(out.north, dy)) * to_uv;

@@ -264,7 +264,7 @@ impl Earth {
         self.render_air_of(view, pass);
     }
 
-    /// The third part. It draws nothing if the eye is above the clouds.
+    /// The third part. It draws nothing for an eye more than 1 km above the clouds.
     pub fn render_view_clouds_overhead(&self, view: &EarthView, pass: &mut wgpu::RenderPass<'_>) {
         self.render_clouds_overhead_of(view, pass);
     }

@@ -259,6 +259,11 @@ impl Planner {
             false => 1.0,
         };
         plan.is_below_clouds = clouds_before < 1.0;
+        let clouds_around = match self.shows_clouds {
+            true => self.light.clouds_around(eye.height_m),
+            false => 0.0,
+        };
+        plan.has_clouds_around = clouds_around > 0.0;
         let clouds_at_limb = match self.shows_clouds && view.may_see_limb(&ellipsoid) {
             true => self.light.clouds_at_limb(eye.height_m, pixel_rad),
             false => 0.0,
@@ -274,6 +279,8 @@ impl Planner {
             lamp_light: light.lamp_light() as f32,
             clouds_before: clouds_before as f32,
             clouds_at_limb: clouds_at_limb as f32,
+            clouds_around: clouds_around as f32,
+            clouds_reach: (self.light.clouds_reach_m() / ellipsoid.equatorial_radius_m) as f32,
             ..view.uniforms(&ellipsoid)
         };
         if self.has_air {

@@ -23,6 +23,8 @@ pub(super) enum PassKind {
     CityLights,
     /// Clouds overhead, for an eye below them.
     CloudsOverhead,
+    /// Clouds around an eye within them.
+    CloudsAround,
     /// Clouds above the edge of the ground, for an eye outside the air.
     CloudsAtLimb,
     /// The same in frames with the Moon's shadow.
@@ -30,7 +32,7 @@ pub(super) enum PassKind {
 }
 
 impl PassKind {
-    pub const COUNT: usize = 11;
+    pub const COUNT: usize = 12;
     pub const ALL: [Self; Self::COUNT] = [
         Self::Everything,
         Self::Daylit,
@@ -41,6 +43,7 @@ impl PassKind {
         Self::Eclipsed,
         Self::CityLights,
         Self::CloudsOverhead,
+        Self::CloudsAround,
         Self::CloudsAtLimb,
         Self::EclipsedCloudsAtLimb,
     ];
@@ -66,15 +69,25 @@ impl PassKind {
             | Self::Eclipsed
             | Self::CityLights
             | Self::CloudsOverhead
+            | Self::CloudsAround
             | Self::CloudsAtLimb
             | Self::EclipsedCloudsAtLimb => false,
         }
     }
 
+    /// Whether it draws clouds above the edge of the ground.
+    pub fn is_at_limb(self) -> bool {
+        matches!(self, Self::CloudsAtLimb | Self::EclipsedCloudsAtLimb)
+    }
+
     /// The kind that replaces this one if it is not available.
     pub fn instead(self) -> Option<Self> {
         match self {
-            Self::Everything | Self::CityLights | Self::CloudsOverhead | Self::CloudsAtLimb => None,
+            Self::Everything
+            | Self::CityLights
+            | Self::CloudsOverhead
+            | Self::CloudsAround
+            | Self::CloudsAtLimb => None,
             Self::Daylit | Self::Night | Self::Eclipsed => Some(Self::Everything),
             Self::Interpolated => Some(Self::Daylit),
             Self::Land | Self::OpenSea => Some(Self::Interpolated),

@@ -225,7 +225,7 @@ impl SurfaceDrawable {
         if !points.is_none_or(|points| points.are_ready(&plan.city_lights)) {
             return false;
         }
-        let clouds = self.clouds_beside_ground_of(at, plan);
+        let clouds = self.clouds_beside_ground(at, plan).into_iter().flatten();
         let mut kinds = kinds.chain(city_lights).chain(clouds);
         kinds.all(|kind| self.pipelines.pass(at, kind).is_some() && view.group(at, kind).is_some())
     }
@@ -239,19 +239,20 @@ impl SurfaceDrawable {
         is_drawn.then_some(kind)
     }
 
-    /// The kind of draw for clouds beside the ground, if the plan has any.
-    fn clouds_beside_ground_of(&self, at: Situation, plan: &FramePlan) -> Option<PassKind> {
-        let kind = match plan {
-            plan if plan.is_below_clouds => PassKind::CloudsOverhead,
-            plan if !plan.has_clouds_at_limb => return None,
-            plan if plan.has_moon_shadow => PassKind::EclipsedCloudsAtLimb,
-            _ => PassKind::CloudsAtLimb,
+    /// The kinds of draws for a plan's clouds beside the ground: those in the sky or at the limb, and those around the eye.
+    fn clouds_beside_ground(&self, at: Situation, plan: &FramePlan) -> [Option<PassKind>; 2] {
+        let in_sky = match plan {
+            plan if plan.is_below_clouds => Some(PassKind::CloudsOverhead),
+            plan if !plan.has_clouds_at_limb => None,
+            plan if plan.has_moon_shadow => Some(PassKind::EclipsedCloudsAtLimb),
+            _ => Some(PassKind::CloudsAtLimb),
         };
-        let kinds = [Some(kind), kind.instead()];
-        kinds
-            .into_iter()
-            .flatten()
-            .find(|kind| self.pipelines.has(at, *kind))
+        let around = plan.has_clouds_around.then_some(PassKind::CloudsAround);
+        [in_sky, around].map(|kind| {
+            let kinds = [kind, kind.and_then(PassKind::instead)];
+            let mut kinds = kinds.into_iter().flatten();
+            kinds.find(|kind| self.pipelines.has(at, *kind))
+        })
     }
 
     /// Creates and binds the missing pipelines of a plan.
@@ -274,7 +275,7 @@ impl SurfaceDrawable {
         }
         let kinds = kinds.chain(city_lights);
         let wanted: Vec<_> = kinds
-            .chain(self.clouds_beside_ground_of(at, plan))
+            .chain(self.clouds_beside_ground(at, plan).into_iter().flatten())
             .collect();
         let maker = self.maker(view);
         let missing = wanted.iter().map(|kind| (at, *kind));
@@ -421,16 +422,14 @@ impl SurfaceDrawable {
         }
     }
 
-    /// Draws the clouds overhead of the plan that was last written to a view, over the sky.
+    /// Draws the clouds overhead of the plan that was last written to a view, over the sky, and those around the eye, over everything.
     pub fn render_clouds_overhead(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         view: &SurfaceView,
         plan: &FramePlan,
     ) {
-        if plan.is_below_clouds {
-            self.render_clouds(pass, view, plan, 3);
-        }
+        self.render_clouds(pass, view, plan, |kind| !kind.is_at_limb());
     }
 
     /// Draws the clouds above the edge of the ground, over the air.
@@ -440,9 +439,7 @@ impl SurfaceDrawable {
         view: &SurfaceView,
         plan: &FramePlan,
     ) {
-        if !plan.is_below_clouds {
-            self.render_clouds(pass, view, plan, 6 * LIMB_SEGMENTS);
-        }
+        self.render_clouds(pass, view, plan, PassKind::is_at_limb);
     }
 
     fn render_clouds(
@@ -450,18 +447,23 @@ impl SurfaceDrawable {
         pass: &mut wgpu::RenderPass<'_>,
         view: &SurfaceView,
         plan: &FramePlan,
-        vertices: u32,
+        is_drawn: fn(PassKind) -> bool,
     ) {
         let at = self.situation(plan);
-        let drawn = self.clouds_beside_ground_of(at, plan).and_then(|kind| {
-            let pass = self.pipelines.pass(at, kind)?;
-            Some((pass, view.group(at, kind)?))
-        });
-        if let Some((drawn, group)) = drawn {
+        let kinds = self.clouds_beside_ground(at, plan).into_iter().flatten();
+        for kind in kinds.filter(|kind| is_drawn(*kind)) {
+            let group = view.group(at, kind);
+            let Some((drawn, group)) = self.pipelines.pass(at, kind).zip(group) else {
+                continue;
+            };
             let (Imagery::Whole(maps) | Imagery::Tiles { whole: maps, .. }) = &self.imagery;
             pass.set_pipeline(&drawn.pipeline);
             pass.set_bind_group(0, group, &[]);
             pass.set_bind_group(1, maps, &[]);
+            let vertices = match kind.is_at_limb() {
+                true => 6 * LIMB_SEGMENTS,
+                false => 3,
+            };
             pass.draw(0..vertices, 0..1);
         }
     }

@@ -292,6 +292,7 @@ impl SurfaceMaker {
                 PassKind::Eclipsed => all.eclipsed().filter(|_| config.light.eclipses),
                 PassKind::CityLights => city_lights,
                 PassKind::CloudsOverhead => all.clouds_overhead(config.light.eclipses),
+                PassKind::CloudsAround => all.clouds_around(config.light.eclipses),
                 PassKind::CloudsAtLimb => all.clouds_at_limb(),
                 PassKind::EclipsedCloudsAtLimb => all
                     .clouds_at_limb()
@@ -353,7 +354,10 @@ impl SurfaceMaker {
             description.writes_depth = false;
             description.blend = Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING);
         }
-        if matches!(variant.form, VertexForm::Sky | VertexForm::Limb) {
+        if matches!(
+            variant.form,
+            VertexForm::Sky | VertexForm::Around | VertexForm::Limb
+        ) {
             description.buffers = &[];
             description.primitive = wgpu::PrimitiveState::default();
             description.writes_depth = false;

@@ -71,6 +71,8 @@ pub(crate) struct FramePlan {
     pub has_moon_shadow: bool,
     /// Whether the eye is below the clouds, or so little above that they are also visible from below.
     pub is_below_clouds: bool,
+    /// Whether clouds are drawn around the eye.
+    pub has_clouds_around: bool,
     /// Whether clouds may be seen above the edge of the ground.
     pub has_clouds_at_limb: bool,
     /// Lower bound of the size of a pixel on the ground, equatorial radii.
@@ -105,6 +107,7 @@ impl FramePlan {
             night: BlockSet::default(),
             has_moon_shadow: false,
             is_below_clouds: false,
+            has_clouds_around: false,
             has_clouds_at_limb: false,
             least_pixel: 0.0,
             air: None,
@@ -122,6 +125,7 @@ impl FramePlan {
         self.night = BlockSet::default();
         self.has_moon_shadow = false;
         self.is_below_clouds = false;
+        self.has_clouds_around = false;
         self.has_clouds_at_limb = false;
         self.least_pixel = 0.0;
         self.air = None;
@@ -138,6 +142,7 @@ impl FramePlan {
             draw_calls: (self.draws.len()
                 + self.city_lights.len()
                 + usize::from(self.is_below_clouds)
+                + usize::from(self.has_clouds_around)
                 + usize::from(self.has_clouds_at_limb)
                 + usize::from(air.is_some())
                 + usize::from(glow.is_some())) as u32,
@@ -146,6 +151,7 @@ impl FramePlan {
                 .chain(air)
                 .chain(glow)
                 .chain(self.is_below_clouds.then_some(1))
+                .chain(self.has_clouds_around.then_some(1))
                 .chain(self.has_clouds_at_limb.then_some(2 * LIMB_SEGMENTS))
                 .sum(),
         }

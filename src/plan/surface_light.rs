@@ -155,8 +155,8 @@ impl LightEffects {
     }
 }
 
-/// Largest height above or below the clouds at which an eye still sees them from both sides, metres.
-const CLOUD_FADE_M: f64 = 200.0;
+/// Half the thickness of the clouds for an eye near them, metres, unless they are low.
+const CLOUDS_REACH_M: f64 = 500.0;
 
 /// Radiance of the brightest texels of the night map, relative to a white sheet that faces the Sun in space.
 ///
@@ -260,12 +260,23 @@ impl SurfaceLight {
         CITY_RADIANCE * self.night_gain
     }
 
-    /// Fraction of the clouds that is in front of the ground for an eye at this height: 1 above them, 0 below. The transition covers a part of
-    /// their height, as they have no thickness to fly through.
+    /// Fraction of the clouds that is in front of the ground for an eye at this height: 1 above them, 0 below. Between, the eye is within them.
     pub(crate) fn clouds_before(&self, eye_height_m: f64) -> f64 {
-        let within_m = CLOUD_FADE_M.min(0.1 * self.cloud_height_m);
-        let fade_m = [-within_m, within_m].map(|by_m| self.cloud_height_m + by_m);
-        smooth_step(fade_m, eye_height_m)
+        let reach_m = self.clouds_reach_m();
+        let within_m = [-reach_m, reach_m].map(|by_m| self.cloud_height_m + by_m);
+        smooth_step(within_m, eye_height_m)
+    }
+
+    /// Fraction of the clouds that is drawn around an eye at this height: all for an eye within them, none at their thickness from their middle.
+    pub(crate) fn clouds_around(&self, eye_height_m: f64) -> f64 {
+        let from_middle_m = (eye_height_m - self.cloud_height_m).abs();
+        let reach_m = self.clouds_reach_m();
+        1.0 - smooth_step([reach_m, 2.0 * reach_m], from_middle_m)
+    }
+
+    /// Half the thickness of the clouds for an eye near them, metres: a tenth of their height if they are low.
+    pub(crate) fn clouds_reach_m(&self) -> f64 {
+        CLOUDS_REACH_M.min(0.1 * self.cloud_height_m)
     }
 
     /// Fraction of the clouds that is drawn above the edge of the ground for an eye at this height: 0 in the air, 1 from one and a half times its

@@ -40,8 +40,10 @@ pub struct FrameUniforms {
     pub lamp_light: f32,
     /// Fraction of the clouds that rises above the edge of the ground.
     pub clouds_at_limb: f32,
-    /// Pads the row.
-    pub padding: [f32; 2],
+    /// Half the thickness of the clouds for an eye within them, equatorial radii.
+    pub clouds_reach: f32,
+    /// Fraction of them that is drawn around the eye.
+    pub clouds_around: f32,
 }
 
 /// `MoonShadow` of `shaders/common/moon_shadow.wgsl`. ITRF axes, equatorial radii.

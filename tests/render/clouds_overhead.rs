@@ -1,4 +1,4 @@
-//! Clouds over an eye that is below them: in its sky, and not on its ground.
+//! Clouds over an eye that is below them, in its sky and not on its ground, and around an eye within them.
 
 use crate::common::{Rig, map, tilted};
 use glam::DVec3;
@@ -65,21 +65,66 @@ fn an_eye_below_clouds_sees_them_in_its_sky_alone() {
 }
 
 #[test]
+fn an_eye_within_thick_clouds_sees_nothing_else() {
+    let sun = Ellipsoid::normal(10_f64.to_radians(), -10_f64.to_radians());
+    let (mut clear, mut thick) = (rig(0), rig(255));
+    for pitch_deg in [-50.0, 0.0, 50.0] {
+        let lights = [-400.0, 0.0, 400.0].map(|by_m| {
+            let within = view(CLOUDS_M + by_m, pitch_deg);
+            let pixels = thick.draw_light(&within, sun);
+            let values = pixels.iter().map(|[_, green, ..]| f64::from(*green));
+            let (least, most) = values.fold((f64::MAX, 0.0), |(least, most), value| {
+                (value.min(least), value.max(most))
+            });
+            println!("{pitch_deg} {by_m}: {least} … {most}");
+            // The horizon, ground and sky differ by much more without the clouds.
+            if by_m == 0.0 {
+                assert!(most < 1.5 * least, "{pitch_deg}: {least} … {most}");
+            }
+            mean(&mut thick, &within).y
+        });
+        assert!(lights.is_sorted(), "it is brighter above: {lights:?}");
+    }
+    // Where the map has no clouds there are none.
+    let within = view(CLOUDS_M, -10.0);
+    let with = clear.draw_light(&within, sun);
+    let mut without = {
+        let mut options = EarthOptions::new(EarthLayers {
+            day: map(64, |_, _| [40; 3]),
+            clouds: None,
+            normals: None,
+            night_lights: None,
+            water: None,
+        });
+        options.light = SurfaceLight::PLAIN;
+        Rig::of_light(&options, SIZE)
+    };
+    assert_eq!(with, without.draw_light(&within, sun));
+}
+
+#[test]
 fn the_way_through_their_height_is_no_step() {
-    let mut rig = rig(128);
-    for pitch_deg in [-30.0, 30.0] {
-        let heights = (0..=24).map(|n| CLOUDS_M - 300.0 + 25.0 * f64::from(n));
-        let light: Vec<f64> = heights
-            .map(|height_m| mean(&mut rig, &view(height_m, pitch_deg)).y)
-            .collect();
-        let whole = (light[24] - light[0]).abs();
-        let steps = light.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-        let most = steps.fold(0.0, f64::max);
-        println!("{pitch_deg}: {most} of {whole}");
-        // A smooth step of 400 m changes by at most 0.094 of the whole in steps of 25 m.
-        assert!(
-            whole > 0.05 && most < 0.13 * whole,
-            "{pitch_deg}: {light:?}"
-        );
+    // Where they begin to be drawn around the eye, at their base, in their middle, at their top, and where that ends.
+    let from_middle_m = [-1000.0, -500.0, 0.0, 500.0, 1000.0];
+    for cover in [60, 255] {
+        let mut rig = rig(cover);
+        for pitch_deg in [-30.0, 0.0, 30.0] {
+            let light = from_middle_m.map(|by_m| {
+                let heights = (-10..=10).map(|n| CLOUDS_M + by_m + 5.0 * f64::from(n));
+                let light = heights.map(|height_m| mean(&mut rig, &view(height_m, pitch_deg)).y);
+                light.collect::<Vec<_>>()
+            });
+            let most = light.iter().flatten().copied().fold(0.0, f64::max);
+            let least = light.iter().flatten().copied().fold(f64::MAX, f64::min);
+            let steps = light.iter().flat_map(|light| light.windows(2));
+            let steps = steps.map(|pair| (pair[1] - pair[0]).abs());
+            let largest = steps.fold(0.0, f64::max);
+            println!("{cover} {pitch_deg}: {largest} of {}", most - least);
+            // A white sheet has the light 1. Out of the top of thick even clouds, a view changes by half of that within 50 m.
+            assert!(
+                most - least > 0.2 && largest < 0.06,
+                "{cover} {pitch_deg}: {light:?}"
+            );
+        }
     }
 }

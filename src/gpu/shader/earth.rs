@@ -197,8 +197,17 @@ impl EarthVariant {
 
     /// The variant of this variant's clouds in the sky, seen from below; `None` if there are no clouds or the eye cannot be below them.
     pub fn clouds_overhead(self, eclipse: bool) -> Option<Self> {
+        self.clouds_by_the_eye(VertexForm::Sky, eclipse)
+    }
+
+    /// The variant of this variant's clouds around an eye within them; `None` if there are no clouds or the eye cannot be within them.
+    pub fn clouds_around(self, eclipse: bool) -> Option<Self> {
+        self.clouds_by_the_eye(VertexForm::Around, eclipse)
+    }
+
+    fn clouds_by_the_eye(self, form: VertexForm, eclipse: bool) -> Option<Self> {
         let effects = [LightEffect::Detail, LightEffect::Moonlight];
-        self.clouds_beside_ground(VertexForm::Sky, AirSide::Outside, &effects)?
+        self.clouds_beside_ground(form, AirSide::Outside, &effects)?
             .with_sunlit(|layers| Some(SunlitLayers { eclipse, ..layers }))
     }
 
@@ -421,12 +430,15 @@ impl ShaderVariant for EarthVariant {
         open_sea.dedup();
         let below_points: Vec<_> = all.iter().filter_map(|v| v.below_points()).collect();
         let city_lights = outputs_of_city_lights().map(Self::of_city_lights);
-        let overhead = SWITCH
-            .into_iter()
-            .flat_map(|eclipse| all.iter().filter_map(move |v| v.clouds_overhead(eclipse)));
+        let by_the_eye = SWITCH.into_iter().flat_map(|eclipse| {
+            all.iter().flat_map(move |variant| {
+                let overhead = variant.clouds_overhead(eclipse);
+                overhead.into_iter().chain(variant.clouds_around(eclipse))
+            })
+        });
         let at_limb: Vec<_> = all.iter().filter_map(|v| v.clouds_at_limb()).collect();
         let eclipsed = at_limb.iter().filter_map(|v| v.eclipsed());
-        let mut beside: Vec<_> = overhead.chain(eclipsed).collect();
+        let mut beside: Vec<_> = by_the_eye.chain(eclipsed).collect();
         beside.extend(at_limb);
         beside.sort_unstable();
         beside.dedup();
@@ -489,13 +501,21 @@ impl ShaderVariant for EarthVariant {
             ("cast", matches!(form, Form::ContourPrisms { .. })),
             ("points", form == Form::CityPoints),
             ("overhead", form == Form::Sky),
+            ("around", form == Form::Around),
             ("limb", form == Form::Limb),
-            ("beside_ground", matches!(form, Form::Sky | Form::Limb)),
+            (
+                "beside_ground",
+                matches!(form, Form::Sky | Form::Around | Form::Limb),
+            ),
             (
                 "relief",
                 !matches!(
                     form,
-                    Form::BlockLattice { .. } | Form::CityPoints | Form::Sky | Form::Limb
+                    Form::BlockLattice { .. }
+                        | Form::CityPoints
+                        | Form::Sky
+                        | Form::Around
+                        | Form::Limb
                 ),
             ),
             (

@@ -179,6 +179,7 @@ files![
     "earth/bindings.wgsl",
     "earth/blocks.wgsl",
     "earth/city_lights.wgsl",
+    "earth/clouds_around.wgsl",
     "earth/clouds_at_limb.wgsl",
     "earth/clouds_overhead.wgsl",
     "earth/fragment.wgsl",

@@ -21,6 +21,8 @@ pub enum VertexForm {
     CityPoints,
     /// No mesh: the whole sky, for clouds overhead.
     Sky,
+    /// No mesh: everything, for clouds around the eye.
+    Around,
     /// A ring around the ground, for the clouds above its edge.
     Limb,
     /// Prisms behind whose faces rays are cast at pages of contours. Each lies in one block.
@@ -66,7 +68,7 @@ impl VertexForm {
             Self::BlockLattice { tiles } | Self::ProjectedGrid { tiles } => tiles,
             Self::ContourPrisms { tiles, .. } => tiles,
             Self::ReliefPatches(tiles) => tiles != PatchTiles::None,
-            Self::CityPoints | Self::Sky | Self::Limb => false,
+            Self::CityPoints | Self::Sky | Self::Around | Self::Limb => false,
         }
     }
 

@@ -96,7 +96,8 @@ fn on_the_adapter(pixels: &[PixelRay]) -> Vec<Placed> {
             shadow: bytemuck::Zeroable::zeroed(),
             lamp_light: 0.0,
             clouds_at_limb: 0.0,
-            padding: [0.0; 2],
+            clouds_reach: 0.0,
+            clouds_around: 0.0,
         };
         queue.write_buffer(&frame, 0, bytemuck::bytes_of(&values));
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());

@@ -65,7 +65,8 @@ fn structs_match_the_shaders() {
             shadow,
             lamp_light,
             clouds_at_limb,
-            padding
+            clouds_reach,
+            clouds_around
         ]
     );
     check!(
