@@ -18,9 +18,10 @@ const OUTLIER: f32 = 0.15;
 const MOST_OUTLIERS: f32 = 0.001;
 
 /// Scenes of `config/`, drawn smaller.
-const OF_CONFIG: [&str; 13] = [
+const OF_CONFIG: [&str; 14] = [
     "aurora",
     "below_clouds",
+    "between_clouds",
     "crescent",
     "eclipse",
     "eclipse_low",
