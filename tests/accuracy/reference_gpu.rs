@@ -57,14 +57,14 @@ fn flight(text: &str) -> Flight {
 /// right to 0.1 of 255. Grey clouds show a difference in colour more than anything: theirs is 4 of 255.
 const BOUNDS: [(&str, f32, f64); 4] = [
     ("space station", 0.0475, 4.24),
-    ("whole disc", 0.0171, 4.2),
+    ("whole disc", 0.0149, 3.97),
     ("limb at night", 0.042, 5.97),
     ("below clouds", 0.107, 3.27),
 ];
 
 /// Most texels of a map's width for the whole disc. The reference casts a ray for each texel in sight: four times as many take four times as long,
 /// and a pixel covers hundreds of texels anyway.
-const WHOLE_DISC_MAP: u32 = 2048;
+const WHOLE_DISC_MAP: u32 = 1024;
 
 /// Options, and moments by name.
 fn scenes() -> Vec<(&'static str, EarthOptions, Moment)> {

@@ -214,7 +214,7 @@ fn every_number_of_threads_builds_the_same_patches() {
         fractal(513, 3),
         rough(700, 300, 5, |i, _, x| 0.1 * f64::from(i) * x),
     ] {
-        for tolerance_m in [0.0, 20.0, 60.0] {
+        for tolerance_m in [0.0, 60.0] {
             let on = |threads, budget_bytes| {
                 let options = PatchOptions {
                     tolerance_m,
@@ -226,7 +226,7 @@ fn every_number_of_threads_builds_the_same_patches() {
             };
             let one = on(1, 1 << 30).unwrap();
             assert!(one.leaves.len() > 500);
-            for threads in [2, 3, 16] {
+            for threads in [2, 16] {
                 assert!(on(threads, 1 << 30).unwrap() == one, "{threads}");
             }
             // A leaf counts 202 bytes.
