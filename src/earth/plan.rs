@@ -259,7 +259,8 @@ impl Planner {
             false => 1.0,
         };
         plan.is_below_clouds = clouds_before < 1.0;
-        let clouds_around = match self.shows_clouds {
+        // Bodies behind a mountain would cover it.
+        let clouds_around = match self.shows_clouds && self.ground.is_none() {
             true => self.light.clouds_around(eye.height_m),
             false => 0.0,
         };
