@@ -23,16 +23,18 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     let direction = normalize(stretched);
     let rise = dot(frame.eye_scaled, direction);
     // (1 + h)² − L².
-    let between = clouds_above() - frame.above;
+    let between = max(clouds_above() - frame.above, 0.0);
+    // An eye above their middle sees those around it.
+    let are_around = between <= 0.0 && frame.clouds_around > 0.0;
     let meets_ground = rise < 0.0 && rise * rise >= frame.above;
-    let root = sqrt(max(rise * rise + between, 0.0));
+    let root = sqrt(rise * rise + between);
     let distance = select(root - rise, between / max(root + rise, 1e-9), rise > 0.0);
     let place = frame.eye_scaled + distance * direction;
     let up = normalize(place * stretch);
 
     let at = on_whole_map(seen_along(ray, distance / length(stretched), up));
     let clouds = clouds_at(at, Lifted(up, vec2f(0.0)), 1.0 - frame.clouds_before);
-    if meets_ground || between <= 0.0 || clouds.albedo <= 0.0 {
+    if meets_ground || are_around || clouds.albedo <= 0.0 {
         discard;
     }
 
