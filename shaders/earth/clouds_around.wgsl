@@ -31,7 +31,7 @@ const EVEN_BASE: f32 = 0.4;
 @if(detail) const SMOOTH_TOPS: f32 = 0.4;
 // How far tops of clouds are displaced, and how far their parts are to either side of that, of half the layer's thickness; and waves of the latter.
 const LEAN: vec3f = vec3f(0.25, -0.3, 0.3);
-const TWIST: vec3f = vec3f(-0.125, 0.075, 0.2);
+const TWIST: vec3f = vec3f(-0.12, 0.08, 0.2);
 const TWISTS: f32 = 6.0;
 // Distance to the middle of what may shade a side of a cloud, equatorial radii: 150 m; and the light of a side that faces a Sun at the horizon.
 const SIDE_STEP: f32 = 2.4e-5;

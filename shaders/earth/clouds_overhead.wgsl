@@ -15,6 +15,7 @@ fn vertex(@builtin(vertex_index) index: u32) -> Varying {
 
 // Lowest elevation angle for the path through the layer, as sine: it is not perfectly flat.
 const LOWEST_SIGHT: f32 = 0.03;
+
 @fragment
 fn fragment(in: Varying) -> @location(0) vec4f {
     let ray = pixel_ray(in.clip.xy);
