@@ -158,6 +158,9 @@ export class TerrellaEarth extends EventTarget {
       await this.#decoder?.decode(files, season, (...band) => this.#globe?.band(...band), () => this.#idle());
       if (!this.#globe) return;
       this.#globe.setMaps();
+      await this.#idle();
+      if (!this.#globe) return;
+      this.#globe.setCityLights();
       progress(1, "complete");
       this.dispatchEvent(new CustomEvent("complete"));
       this.invalidate();

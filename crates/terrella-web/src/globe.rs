@@ -18,8 +18,8 @@ use terrella::celestial::{Celestial, CelestialMoment, CelestialOptions, StarCata
 use terrella::frames::Orientation;
 use terrella::tracks::TrackMoment;
 use terrella::{
-    Atmosphere, Earth, EarthOptions, Epoch, Exposure, FrameRequest, LayerImage, MapLayer,
-    Pipelines, Sky, supply_air_tables, supply_detail_tiles,
+    Atmosphere, CityLights, Earth, EarthOptions, Epoch, Exposure, FrameRequest, LayerImage,
+    MapLayer, Pipelines, Sky, supply_air_tables, supply_detail_tiles,
 };
 use wasm_bindgen::prelude::{JsValue, wasm_bindgen};
 
@@ -133,6 +133,7 @@ impl Opening {
             milky_way: maps.milky_way,
             celestial,
             incoming: None,
+            city_lights: None,
             awaited: None,
             eye: eye.ok_or_else(|| thrown("the first view is not finite"))?,
             followed: 0,
@@ -157,6 +158,8 @@ pub struct Globe {
     celestial: Celestial,
     /// Finer maps that are coming.
     incoming: Option<Incoming>,
+    /// City lights that came with maps and are not drawn yet.
+    city_lights: Option<Arc<CityLights>>,
     /// Work that the page waits for.
     awaited: Option<Submitted>,
     eye: Eye,
@@ -229,15 +232,27 @@ impl Globe {
             .set_maps(&self.canvas.queue, &maps.uploaded)
             .map_err(thrown)?;
         self.options.replace_uploaded(maps.layers, maps.uploaded);
-        if let Some(lights) = maps.city_lights {
-            let queue = &self.canvas.queue;
-            let given = self.earth.set_city_lights(queue, lights.clone());
-            given.map_err(thrown)?;
-            self.options.city_lights = Some(lights);
-        }
+        self.city_lights = maps.city_lights;
         self.in_sky.moon = maps.moon.or(self.in_sky.moon.take());
         self.milky_way = maps.milky_way.or(self.milky_way.take());
         self.fill_sky()
+    }
+
+    /// Draws city lights that came with the maps as points, from the next frame on. This compiles a shader, as [`Self::set_maps`] does: in one task
+    /// both would take too long.
+    ///
+    /// # Errors
+    /// A shader that the device rejected.
+    #[wasm_bindgen(js_name = setCityLights)]
+    pub fn set_city_lights(&mut self) -> Result<(), JsValue> {
+        let Some(lights) = self.city_lights.take() else {
+            return Ok(());
+        };
+        let queue = &self.canvas.queue;
+        let given = self.earth.set_city_lights(queue, lights.clone());
+        given.map_err(thrown)?;
+        self.options.city_lights = Some(lights);
+        Ok(())
     }
 
     /// Draws what there is in the sky from the next frame on.
